@@ -1,0 +1,41 @@
+"""Ball joints: two connection points coincide, rotations are free."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from floatsim.description import Description, Name, Vector3
+from floatsim.joints.constraints import Align, Coincide, Place
+
+
+class Ball(Description):
+    """Ball joint between `a` and `b`: names of connection points, or b a fixed point (x, y, z) [m].
+
+    name: of the joint in outputs; default: `a` with dots as underscores. The joint's force is what
+    a exerts on b.
+    """
+
+    a: str
+    b: str | Vector3
+    name: Name | None = None
+
+    @property
+    def label(self) -> str:
+        return self.name or self.a.replace(".", "_")
+
+    def targets(self) -> tuple[str | tuple[float, float, float], ...]:
+        """Connection points that must resolve."""
+        return (self.a, self.b)
+
+    def ties(self) -> list[tuple[Any, Any]]:
+        """Pairs that start at the same place."""
+        return [(self.a, self.b)]
+
+    def rows(self, place: Callable[[Any], Place], attitude: Callable[[int], Any]) -> list[Coincide | Align]:
+        """The constraint rows, declared."""
+        return [Coincide(place(self.a), place(self.b))]
+
+    def children(self) -> list[Any]:
+        """Parts that belong to the joint."""
+        return []

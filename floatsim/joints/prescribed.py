@@ -1,0 +1,144 @@
+"""Prescribed motion of a connection point or of a whole body.
+
+Position, velocity and acceleration must belong together: they come from three functions, or from a
+recorded series through C2 cubic splines (accelerations recovered from the integrator's own formula
+are wrong by O(1)). Attitude as roll, pitch, yaw with R_WB = Rz(yaw) Ry(pitch) Rx(roll):
+
+    w = yaw' e_z + Rz (pitch' e_y) + Rz Ry (roll' e_x)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from floatsim.description import Description, Name
+from floatsim.errors import ModelError
+from floatsim.frames import Array, matrix_from_angles
+from floatsim.joints.constraints import Align, Coincide, Place
+from floatsim.joints.weld import weld_axes
+
+Function = Callable[[float], ArrayLike]
+
+
+class Motion:
+    """Motion of a point (3 columns) or of a body (6: x, y, z [m], roll, pitch, yaw [rad]) over time [s].
+
+    position, velocity, acceleration: functions of time, each giving all columns; velocity and
+    acceleration are the time derivatives of the columns. ModelError if they do not belong together.
+    """
+
+    def __init__(self, position: Function, velocity: Function, acceleration: Function) -> None:
+        self._functions = (position, velocity, acceleration)
+        first = np.asarray(position(0.0), dtype=float)
+        if first.shape not in ((3,), (6,)):
+            raise ModelError(f"Motion: position(0) has shape {first.shape}; 3 (point) or 6 (body) numbers are allowed")
+        self.columns = len(first)
+        self._check()
+
+    @classmethod
+    def from_series(cls, time: Sequence[float] | Array, values: ArrayLike) -> Motion:
+        """Through samples: time (n,) increasing [s], values (n, 3) or (n, 6), angles continuous [rad].
+
+        C2 cubic spline; held at the first and last sample outside the recording.
+        """
+        from scipy.interpolate import CubicSpline
+
+        t, y = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+        if t.ndim != 1 or len(t) < 4 or y.shape not in ((len(t), 3), (len(t), 6)):
+            raise ModelError(
+                f"Motion.from_series: got time {t.shape} and values {y.shape}; (n,) and (n, 3) or (n, 6), n >= 4"
+            )
+        if not (np.isfinite(t).all() and np.isfinite(y).all()):
+            raise ModelError("Motion.from_series: the recording contains NaN or infinity")
+        if not (np.diff(t) > 0.0).all():
+            k = int(np.argmin(np.diff(t) > 0.0))
+            raise ModelError(f"Motion.from_series: time does not increase after sample {k} (t = {t[k]:g} s)")
+        spline = CubicSpline(t, y)
+
+        def held(order: int) -> Function:
+            def value(now: float) -> Array:
+                if not t[0] <= now <= t[-1] and order > 0:
+                    return np.zeros(y.shape[1])
+                return np.asarray(spline(min(max(now, t[0]), t[-1]), order))
+
+            return value
+
+        return cls(held(0), held(1), held(2))
+
+    def _check(self) -> None:
+        h = 1e-4
+        for order, name in ((0, "velocity"), (1, "acceleration")):
+            low, high = self._functions[order], self._functions[order + 1]
+            for t in (0.37, 1.73, 7.91):
+                slope = (np.asarray(low(t + h), dtype=float) - np.asarray(low(t - h), dtype=float)) / (2.0 * h)
+                given = np.asarray(high(t), dtype=float)
+                if given.shape != (self.columns,):
+                    raise ModelError(f"Motion: {name} gives shape {given.shape}, position has {self.columns} columns")
+                if not np.all(np.abs(slope - given) <= 1e-3 * np.max(np.abs(given)) + 1e-4):
+                    raise ModelError(
+                        f"Motion: {name}({t:g}) is {given.tolist()} but differences of the function before give "
+                        f"{slope.round(6).tolist()}; the three functions must belong together"
+                    )
+
+    def _columns(self, t: float) -> list[Array]:
+        return [np.asarray(f(t), dtype=float) for f in self._functions]
+
+    def translation(self, t: float) -> tuple[Array, Array, Array]:
+        """Position [m], velocity and acceleration of the point, world axes."""
+        p, v, a = self._columns(t)
+        return p[:3], v[:3], a[:3]
+
+    def rotation(self, t: float) -> tuple[Array, Array, Array]:
+        """Rotation matrix, angular velocity [rad/s] and angular acceleration, world axes."""
+        p, v, a = self._columns(t)
+        _, pitch, yaw = p[3:]
+        cy, sy, cp, sp = math.cos(yaw), math.sin(yaw), math.cos(pitch), math.sin(pitch)
+        ez, ey, ex = np.array([0.0, 0.0, 1.0]), np.array([-sy, cy, 0.0]), np.array([cy * cp, sy * cp, -sp])
+        rr, pp, yy = v[3:]
+        w_z = yy * ez
+        w_zy = w_z + pp * ey
+        w = w_zy + rr * ex
+        alpha = a[5] * ez + a[4] * ey + a[3] * ex + np.cross(w_z, pp * ey) + np.cross(w_zy, rr * ex)
+        return matrix_from_angles(*p[3:]), w, alpha
+
+
+class Prescribed(Description):
+    """Prescribed motion of connection point `a`; with a 6-column motion, of the whole body `a`.
+
+    name: of the joint in outputs. Its force is what a exerts on whatever moves it.
+    """
+
+    a: str
+    motion: Motion
+    name: Name | None = None
+
+    @property
+    def label(self) -> str:
+        return self.name or self.a.replace(".", "_")
+
+    def targets(self) -> tuple[str | tuple[float, float, float], ...]:
+        return (self.a,)
+
+    def ties(self) -> list[tuple[Any, Any]]:
+        start = self.motion.translation(0.0)[0]
+        return [(self.a, tuple(float(y) for y in start))]
+
+    def rows(self, place: Callable[[Any], Place], attitude: Callable[[int], Any]) -> list[Coincide | Align]:
+        a = place(self.a)
+        ground = place((0.0, 0.0, 0.0))
+        rows: list[Coincide | Align] = [Coincide(a, ground, self.motion)]
+        if self.motion.columns == 6:
+            if attitude(a.rotation) is None:
+                raise ModelError(
+                    f"Prescribed '{self.label}': the motion has 6 columns but '{self.a}' has no rotation; give 3 columns"
+                )
+            rows += weld_axes(a, ground, np.eye(3), np.eye(3), self.motion)
+        return rows
+
+    def children(self) -> list[Any]:
+        return []

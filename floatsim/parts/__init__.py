@@ -1,0 +1,1 @@
+"""What a model is made of: one physical thing, one file (description, kernels, batch)."""

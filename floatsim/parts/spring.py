@@ -1,0 +1,156 @@
+"""Linear springs and dampers between two connection points.
+
+Force along the line between the points, pulling when longer than the free length:
+
+    F = k (l - l_free) + c dl/dt
+
+A point on a body stands at x + R r and moves with v + w x (R r). A tension-only spring gives
+nothing below its free length (damper included).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+
+from floatsim.description import Description, Name, NonNegative, Vector3
+from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, unit, vec
+from floatsim.jit import kernel
+
+
+class Spring(Description):
+    """Spring and damper from `a` to `b`: names of connection points, or fixed points (x, y, z) [m].
+
+    stiffness [N/m], damping [N s/m], free_length [m], tension_only.
+    """
+
+    name: Name
+    a: str | Vector3
+    b: str | Vector3
+    stiffness: NonNegative
+    free_length: NonNegative
+    damping: NonNegative = 0.0
+    tension_only: bool = False
+
+    n_points: ClassVar[int] = 0
+    n_rotations: ClassVar[int] = 0
+
+    @staticmethod
+    def batch() -> type[SpringBatch]:
+        return SpringBatch
+
+    def anchors(self) -> dict[str, tuple[int, int, tuple[float, float, float]]]:
+        return {}
+
+    def children(self) -> list[Any]:
+        """Parts that come with this one."""
+        return []
+
+    def internal_balls(self) -> list[tuple[int, int]]:
+        return []
+
+    def place(self, ends: dict[str, Array]) -> tuple[Array, Array]:
+        return np.empty((0, 3)), np.empty((0, 3, 3))
+
+    def problems(self, ends: dict[str, Array], depth: float) -> list[str]:
+        return []
+
+
+@kernel
+def springs(x, R, v, c, where, arms, P, slots, K, A, r, s, force):  # type: ignore[no-untyped-def]
+    """where (n, 4): point and rotation of a, of b; arms (n, 6); P (4, n): k, c, free length, tension only."""
+    base = 3 * x.shape[0]
+    for e in range(where.shape[0]):
+        pa, ra, pb, rb = where[e, 0], where[e, 1], where[e, 2], where[e, 3]
+        aa = rotate(R, ra, (arms[e, 0], arms[e, 1], arms[e, 2]))
+        ab = rotate(R, rb, (arms[e, 3], arms[e, 4], arms[e, 5]))
+        wa, wb = at(v, base + 3 * ra), at(v, base + 3 * rb)
+        d = minus(plus(vec(x, pb), ab), plus(vec(x, pa), aa))
+        dv = minus(plus(at(v, 3 * pb), cross(wb, ab)), plus(at(v, 3 * pa), cross(wa, aa)))
+        l = math.sqrt(dot(d, d))
+        t = times(1.0 / l, d)
+        k, cd, l0 = P[0, e], P[1, e], P[2, e]
+        rate = dot(t, dv)
+        F = k * (l - l0) + cd * rate
+        if P[3, e] > 0.0 and l < l0:
+            F, k, cd = 0.0, 0.0, 0.0
+        force[e] = F
+        f = times(F, t)  # on a; -f on b
+        ma, mb = cross(aa, f), cross(ab, f)
+        dofs = (3 * pa, base + 3 * ra, 3 * pb, base + 3 * rb)
+        for m in range(3):
+            r[dofs[0] + m] -= f[m]
+            r[dofs[1] + m] -= ma[m]
+            r[dofs[2] + m] += f[m]
+            r[dofs[3] + m] += mb[m]
+        s[pa] += abs(F)
+        s[pb] += abs(F)
+        s[x.shape[0] + ra] += abs(F) * math.sqrt(dot(aa, aa))
+        s[x.shape[0] + rb] += abs(F) * math.sqrt(dot(ab, ab))
+        for block in range(4):
+            for n in range(3):
+                u = unit(n)
+                zero = (0.0, 0.0, 0.0)
+                # change of d, dv and of the two arms under a unit change of this coordinate / its rate
+                da, db, dd, ddv, rate_v = zero, zero, zero, zero, zero
+                if block == 0:
+                    dd, rate_v = times(-1.0, u), times(-1.0, u)
+                elif block == 1:
+                    da = cross(u, aa)
+                    dd, ddv, rate_v = times(-1.0, da), times(-1.0, cross(wa, da)), times(-1.0, da)
+                elif block == 2:
+                    dd, rate_v = u, u
+                else:
+                    db = cross(u, ab)
+                    dd, ddv, rate_v = db, cross(wb, db), db
+                dl = dot(t, dd)
+                dt = times(1.0 / l, minus(dd, times(dl, t)))
+                dF = c[2] * (k * dl + cd * (dot(dt, dv) + dot(t, ddv))) + c[1] * cd * dot(t, rate_v)
+                df = plus(times(dF, t), times(c[2] * F, dt))
+                dma = plus(cross(aa, df), times(c[2], cross(da, f)))
+                dmb = plus(cross(ab, df), times(c[2], cross(db, f)))
+                col = 3 * block + n
+                for m in range(3):
+                    K[m, col] = -df[m]
+                    K[3 + m, col] = -dma[m]
+                    K[6 + m, col] = df[m]
+                    K[9 + m, col] = dmb[m]
+        for p in range(12):
+            for q in range(12):
+                A[slots[e, 12 * p + q]] += K[p, q]
+
+
+class SpringBatch:
+    """All springs of a system."""
+
+    runs: ClassVar[list[tuple[int, int]]] = []
+
+    def __init__(self, parts: Sequence[Spring], first_point: Sequence[int], first_rotation: Sequence[int],
+                 sea: Any, gravity: float) -> None:  # fmt: skip
+        self.parts = tuple(parts)
+        self.P = np.array(
+            [[p.stiffness, p.damping, p.free_length, float(p.tension_only)] for p in parts], dtype=float
+        ).T.copy()
+        self.force = np.zeros(len(self.parts))
+        self._K = np.zeros((12, 12))
+
+    def connect(self, numbering: Any) -> None:
+        """Resolve the connection points."""
+        ends = [(numbering.place(p.a), numbering.place(p.b)) for p in self.parts]
+        self.where = np.array([[a.point, a.rotation, b.point, b.rotation] for a, b in ends], dtype=np.int64)
+        self.arms = np.array([[*a.arm, *b.arm] for a, b in ends], dtype=float)
+
+    def dofs(self, n_point: int) -> list[Array]:
+        xyz, base = np.arange(3), 3 * (n_point + 1)
+        w = self.where
+        return [np.concatenate([3 * w[:, :1] + xyz, base + 3 * w[:, 1:2] + xyz,
+                                3 * w[:, 2:3] + xyz, base + 3 * w[:, 3:4] + xyz], axis=1)]  # fmt: skip
+
+    def bind(self, slots: list[Array]) -> None:
+        (self._slots,) = slots
+
+    def add(self, w: Any) -> None:
+        springs(w.x, w.R, w.v, w.c, self.where, self.arms, self.P, self._slots, self._K, w.A, w.r, w.s, self.force)

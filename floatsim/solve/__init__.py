@@ -1,0 +1,1 @@
+"""Linear solve, Newton steps in time, static equilibrium, natural modes. Knows no part, joint or law."""

@@ -1,0 +1,1 @@
+"""Numbering, sparsity, state and assembly. Loops over batches, never asks a type."""

@@ -1,0 +1,297 @@
+"""`assemble`: from names to numbers. A `System` is frozen and holds no state.
+
+What a batch offers the system (the protocol; a part's description names its batch class):
+
+    runs                        candidate chains: (first point, number of points)
+    connect(numbering)          optional: resolve names of other parts' connection points
+    dofs(n_point) -> tables     unknowns that each element couples
+    bind(slots)                 slots of those tables, in the same order
+    add(work)                   add matrix entries, residual, force sizes
+    begin(work, history, t)     optional: what is constant during a step
+    start(state) -> history     optional: its memory, committed by commit(history, work) only when a
+                                step is accepted
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from floatsim.errors import ModelError, SolveFailed
+from floatsim.frames import Array, quaternion_from_matrix
+from floatsim.jit import kernel
+from floatsim.joints.constraints import Align, Coincide, Constraints, Place
+from floatsim.model import Model
+from floatsim.system.layout import build_layout
+from floatsim.system.state import State, Work
+from floatsim.frames import set_matrix, turn_quaternion
+
+
+class Numbering:
+    """Points and rotations of every part, and connection points by name."""
+
+    def __init__(self, model: Model, parts: list[Any]) -> None:
+        self.parts = parts
+        self.first_point: list[int] = []
+        self.first_rotation: list[int] = []
+        self.n_point = self.n_rotation = 0
+        for part in parts:
+            self.first_point.append(self.n_point)
+            self.first_rotation.append(self.n_rotation)
+            self.n_point += part.n_points
+            self.n_rotation += part.n_rotations
+        self._index = {part.name: k for k, part in enumerate(parts)}
+        self._targets = model.targets()
+
+    def index(self, name: str) -> int:
+        """Position of the part `name`."""
+        return self._index[name]
+
+    def part(self, target: str) -> tuple[Any, int]:
+        """(part, its first point) of a connection point's name."""
+        k = self._index[self._targets[target][0].name]
+        return self.parts[k], self.first_point[k]
+
+    def place(self, target: Any) -> Place:
+        """Point, rotation and arm of a connection point's name or of fixed coordinates."""
+        if not isinstance(target, str):
+            return Place(self.n_point, self.n_rotation, tuple(target))
+        part, anchor = self._targets[target]
+        k = self._index[part.name]
+        point, rotation, arm = part.anchors()[anchor]
+        turn = self.first_rotation[k] + rotation if rotation >= 0 else self.n_rotation
+        return Place(self.first_point[k] + point, turn, arm)
+
+
+@kernel
+def _configure(q, R):  # type: ignore[no-untyped-def]
+    for k in range(q.shape[0]):
+        set_matrix(R, k, (q[k, 0], q[k, 1], q[k, 2], q[k, 3]))
+
+
+class System:
+    """The assembled model: numbering, batches, constraints, layout. Build it with `assemble`."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        parts = model.everything()
+        self.numbering = num = Numbering(model, parts)
+        self.n_point, self.n_rotation = num.n_point, num.n_rotation
+        self._place(model, num)
+        groups: dict[type, list[int]] = {}
+        for k, part in enumerate(parts):
+            groups.setdefault(part.batch(), []).append(k)
+        self.batches = [
+            cls([parts[k] for k in ks], [num.first_point[k] for k in ks], [num.first_rotation[k] for k in ks],
+                model.sea, model.gravity)
+            for cls, ks in groups.items()
+        ]  # fmt: skip
+        for batch in self.batches:
+            if hasattr(batch, "connect"):
+                batch.connect(num)
+        self.constraints = self._constraints(model, num)
+        self.n_dof = 3 * (self.n_point + 1 + self.n_rotation + 1)
+        self.n_con = self.constraints.n
+        self.n = self.n_dof + self.n_con
+        self.layout = self._layout()
+        self.current = model.sea.current.velocity
+        self.length = self._extent()
+        rank_check(self)
+
+    def _place(self, model: Model, num: Numbering) -> None:
+        placed = model.placement()
+        self.x0 = np.zeros((self.n_point + 1, 3))
+        self.R0 = np.tile(np.eye(3), (self.n_rotation + 1, 1, 1))
+        for part, p, k in zip(num.parts, num.first_point, num.first_rotation, strict=True):
+            if part.name in placed and part.n_points:
+                x, R = placed[part.name]
+                self.x0[p : p + len(x)] = x
+                self.R0[k : k + len(R)] = R
+
+    def _constraints(self, model: Model, num: Numbering) -> Constraints:
+        def attitude(rotation: int) -> Array | None:
+            return self.R0[rotation] if rotation < self.n_rotation else None
+
+        points: list[Coincide] = []
+        axes: list[Align] = []
+        self.joint_rows: dict[str, tuple[list[int], list[int]]] = {}
+        self._row_names: list[str] = []
+        axis_names: list[str] = []
+        for joint in model.joints:
+            mine: tuple[list[int], list[int]] = ([], [])
+            for row in joint.rows(num.place, attitude):
+                if isinstance(row, Coincide):
+                    mine[0].append(len(points))
+                    points.append(row)
+                    self._row_names += [joint.label] * 3
+                else:
+                    mine[1].append(len(axes))
+                    axes.append(row)
+                    axis_names.append(joint.label)
+            self.joint_rows[joint.label] = mine
+        zero = (0.0, 0.0, 0.0)
+        for part, p in zip(num.parts, num.first_point, strict=True):
+            for a, b in part.internal_balls():
+                points.append(Coincide(Place(p + a, self.n_rotation, zero), Place(p + b, self.n_rotation, zero)))
+                self._row_names += [part.name] * 3
+        self._row_names += axis_names
+        return Constraints(points, axes)
+
+    def _layout(self):  # type: ignore[no-untyped-def]
+        xyz = np.arange(3)
+        ground = np.concatenate([3 * self.n_point + xyz, 3 * (self.n_point + 1 + self.n_rotation) + xyz])
+        tables, owner = [], []
+        for batch in self.batches:
+            new = batch.dofs(self.n_point)
+            tables += new
+            owner.append(len(new))
+        joint_tables = self.constraints.dofs(self.n_point, self.n_dof)
+        diagonal = np.arange(self.n)[:, None]
+        runs = [(3 * p, 3 * n) for batch in self.batches for p, n in batch.runs]
+        layout = build_layout([*tables, *joint_tables, diagonal], runs, list(ground), self.n)
+        k = 0
+        for batch, count in zip(self.batches, owner, strict=True):
+            batch.bind([layout.slots(t) for t in tables[k : k + count]])
+            k += count
+        self.constraints.bind([layout.slots(t) for t in joint_tables])
+        return layout
+
+    def _extent(self) -> float:
+        """A length of the whole model [m], for tolerances."""
+        points = [self.x0[: self.n_point]]
+        arms = np.abs(np.concatenate([self.constraints.arms.ravel(), np.zeros(1)]))
+        spread = float(np.ptp(np.concatenate(points), axis=0).max()) if self.n_point else 0.0
+        return max(spread, float(arms.max()), 1e-3)
+
+    def work(self) -> Work:
+        """Fresh scratch for evaluations."""
+        w = Work(self.n_point, self.n_rotation, self.n, self.n_con, self.layout.size)
+        w.u[: self.n_point] = self.current
+        return w
+
+    def initial_state(self) -> State:
+        """Drawing position, lines straight from end to end, at rest, t = 0."""
+        q = np.array([quaternion_from_matrix(R) for R in self.R0])
+        zero = np.zeros(self.n_dof)
+        state = State(0.0, self.x0.copy(), q, zero.copy(), zero.copy(), zero.copy(), np.zeros(self.n_con))
+        self.forget(state)
+        return state
+
+    def forget(self, state: State) -> None:
+        """Start all memories afresh from the state: it has always been at rest there."""
+        state.history = {k: b.start(state) for k, b in enumerate(self.batches) if hasattr(b, "start")}
+
+    def load(self, w: Work, state: State) -> None:
+        """Copy a state into the scratch."""
+        w.t = state.t
+        np.copyto(w.x, state.x)
+        np.copyto(w.q, state.q)
+        np.copyto(w.v, state.v)
+        np.copyto(w.a, state.a)
+        np.copyto(w.aux, state.aux)
+        np.copyto(w.lam, state.lam)
+        _configure(w.q, w.R)
+
+    def begin(self, w: Work, state: State, t: float) -> None:
+        """Prepare everything that is constant during a step from `state` to time t."""
+        w.t = t
+        self.constraints.move(t)
+        for k, batch in enumerate(self.batches):
+            if hasattr(batch, "begin"):
+                batch.begin(w, state.history.get(k), t)
+
+    def evaluate(self, w: Work) -> None:
+        """Residual r = M a + f_int - f_ext + G^T lam (and cG g), and cM M + cC C + cK K with cG G into A."""
+        w.A.fill(0.0)
+        w.r.fill(0.0)
+        w.s.fill(0.0)
+        w.trouble = None
+        for batch in self.batches:
+            batch.add(w)
+        self.constraints.add(w)
+
+    def commit(self, w: Work, state: State) -> None:
+        """Let memories take in the accepted step."""
+        for k, batch in enumerate(self.batches):
+            if hasattr(batch, "commit"):
+                batch.commit(state.history[k], w)
+
+    def unknown_name(self, i: int) -> str:
+        """What unknown i belongs to, in the user's words."""
+        axis = "xyz"[i % 3]
+        if i >= self.n_dof:
+            return f"joint '{self._row_names[i - self.n_dof]}'"
+        if i >= 3 * (self.n_point + 1):
+            k = i // 3 - self.n_point - 1
+            for part, first in zip(self.numbering.parts, self.numbering.first_rotation, strict=True):
+                if first <= k < first + part.n_rotations:
+                    return f"rotation about {axis} of '{part.name}'"
+            return "ground"
+        k = i // 3
+        for part, first in zip(self.numbering.parts, self.numbering.first_point, strict=True):
+            if first <= k < first + part.n_points:
+                where = f" at point {k - first} of {part.n_points}" if part.n_points > 1 else ""
+                return f"{axis} of '{part.name}'{where}"
+        return "ground"
+
+    def jacobian(self, w: Work) -> Array:
+        """Dense G (n_con, n_dof) at the configuration in w."""
+        saved = w.c.copy()
+        w.c[:4] = (0.0, 0.0, 0.0, 1.0)
+        w.A.fill(0.0)
+        w.r.fill(0.0)
+        self.constraints.add(w)
+        lay = self.layout
+        G = np.zeros((self.n, self.n))
+        G[lay.rows, lay.cols] = w.A[lay.slot]
+        w.c[:] = saved
+        return G[self.n_dof :, : self.n_dof]
+
+    def row_name(self, k: int) -> str:
+        """Joint of constraint row k."""
+        return self._row_names[k]
+
+
+def rank_check(system: System) -> None:
+    """Redundant joints are found by rank and named; joints open at the drawing position too."""
+    if system.n_con == 0:
+        return
+    from scipy.linalg import qr
+
+    w = system.work()
+    state = system.initial_state()
+    system.load(w, state)
+    system.constraints.move(0.0)
+    G = system.jacobian(w)
+    gap = w.r[system.n_dof :]
+    size = np.linalg.norm(G, axis=1)
+    # rows that constrain nothing but the ground
+    problems = []
+    dead = sorted({system.row_name(k) for k in np.flatnonzero(size < 1e-12)})
+    if dead:
+        raise ModelError([f"joint '{name}' ties nothing that can move" for name in dead])
+    _, triangle, order = qr(np.ascontiguousarray((G / size[:, None]).T), mode="economic", pivoting=True)
+    diagonal = np.abs(np.diag(triangle))
+    rank = int(np.sum(diagonal > 1e-9 * diagonal[0]))
+    if rank < system.n_con:
+        names = sorted({system.row_name(k) for k in order[rank:]})
+        problems.append(
+            f"joints are redundant: {system.n_con} constraint rows, of which only {rank} are independent; "
+            f"remove or loosen: {', '.join(repr(n) for n in names)}"
+        )
+    open_rows = np.flatnonzero(np.abs(gap) > 1e-6 * system.length)
+    for name in sorted({system.row_name(k) for k in open_rows}):
+        worst = max(abs(float(gap[k])) for k in open_rows if system.row_name(k) == name)
+        problems.append(
+            f"joint '{name}' is open by {worst:.6g} m (or rad) at the drawing position; the two sides must start at "
+            "the same place"
+        )
+    if problems:
+        raise ModelError([f"Model '{system.model.name}': {p}" for p in problems])
+
+
+def assemble(model: Model) -> System:
+    """Assemble a model. Raises ModelError for redundant, contradictory or open joints."""
+    return System(model)
