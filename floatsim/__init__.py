@@ -7,6 +7,7 @@ loaded where they are used.
 """
 
 from floatsim.errors import CaseError, FloatsimError, ModelError, SolveFailed
+from floatsim.hydro.floater import PotentialFlow
 from floatsim.joints.ball import Ball
 from floatsim.joints.clamp import Clamp
 from floatsim.joints.prescribed import Motion, Prescribed
@@ -27,7 +28,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Ball", "Body", "CaseError", "Clamp", "Current", "Expected", "FloatsimError", "Line", "Model", "ModelError",
-    "Motion", "PointMass", "Prescribed", "Scheme", "Sea", "Seabed", "Section", "SolveFailed", "Spring", "State",
+    "Motion", "PointMass", "PotentialFlow", "Prescribed", "Scheme", "Sea", "Seabed", "Section", "SolveFailed", "Spring", "State",
     "StaticReport", "StepReport", "Stepper", "System", "Weld", "assemble", "generalised_alpha", "hht", "newmark",
     "solve_static", "step",
 ]  # fmt: skip

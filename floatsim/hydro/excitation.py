@@ -83,7 +83,9 @@ class Excitation:
                 f"rad/s (1 % is allowed); extend the database, or cut the waves at {db.omega[-1]:.3g} rad/s "
                 "(IrregularWaves: omega_max)"
             )
-        X = _transfer(db, np.minimum(sea.omega, db.omega[-1]), sea.heading - heading, np.where(above, 0.0, sea.amplitude))
+        X = _transfer(
+            db, np.minimum(sea.omega, db.omega[-1]), sea.heading - heading, np.where(above, 0.0, sea.amplitude)
+        )
         X[above] = 0.0
         # the database's phases refer to the origin it was drawn in, where the reference point need not be
         c, s = math.cos(heading), math.sin(heading)
@@ -126,9 +128,9 @@ def _transfer(db: HydroDatabase, omega: Array, heading: Array, amplitude: Array)
     share = math.sqrt(np.max(high / np.where(total > 0.0, total, 1.0)))
     if share > _COARSE:
         raise ModelError(
-            f"{name}: its headings, {360.0 / m:g} deg apart, are too coarse for these waves: {100.0 * share:.0f} % of the "
-            f"force is in the highest harmonics over the heading ({100.0 * _COARSE:g} % is allowed); use a database with "
-            "finer headings, waves along its headings, or longer waves"
+            f"{name}: its headings, {360.0 / m:g} deg apart, are too coarse for these waves: {100.0 * share:.0f} % of "
+            f"the force is in the highest harmonics over the heading ({100.0 * _COARSE:g} % allowed); use a database "
+            "with finer headings, waves along its headings, or longer waves"
         )
     turn = np.exp(1j * np.outer(heading - db.headings[0], order))
     if m % 2 == 0:  # the highest harmonic is known as a cosine only

@@ -115,7 +115,7 @@ class RadiationKernel:
         n = int(np.ceil(memory / grid - _SNAP))
         d = db.added_mass_inf.shape[0]
         fine = grid / 4.0
-        tau = fine * np.arange(4 * n + 1)
+        tau = fine * np.arange(4 * n + 1, dtype=np.float64)
         K, dH, H = _transforms(db.omega, db.radiation_damping, tau)
 
         start = (1.0 - _FADE) * n * grid
@@ -139,7 +139,7 @@ class RadiationKernel:
         tables = [np.ascontiguousarray(item) for item in (K[::4], on_grid, near, weights)]
         for table in tables:
             table.flags.writeable = False
-        return cls(float(grid), *tables, residual)
+        return cls(float(grid), tables[0], tables[1], tables[2], tables[3], residual)
 
 
 def _transforms(omega: Array, B: Array, tau: Array) -> tuple[Array, Array, Array]:
@@ -180,7 +180,7 @@ def _residual(db: HydroDatabase, tau: Array, K: Array) -> RadiationResidual:
         largest = np.sqrt(np.abs(np.diagonal(values, axis1=1, axis2=2)).max(axis=0))
         for rotation in (False, True):
             kind = (np.arange(largest.size) // 3 % 2).astype(bool) == rotation
-            largest[kind] = np.maximum(largest[kind], max(0.01 * largest[kind].max(), np.finfo(float).tiny**0.25))
+            largest[kind] = np.maximum(largest[kind], max(0.01 * largest[kind].max(), np.finfo(float).tiny ** 0.25))
         return np.outer(largest, largest)
 
     figures = (
@@ -238,9 +238,7 @@ class RadiationHistory:
         t_new = t_n gives the force at t_n itself, with a zero tangent. Raises ValueError if t_new < t_n.
         """
         if t_new < self.last[_TN]:
-            raise ValueError(
-                f"radiation memory: asked for t = {t_new} s, the history already ends at {self.time} s"
-            )
+            raise ValueError(f"radiation memory: asked for t = {t_new} s, the history already ends at {self.time} s")
         _prepare(
             self._weights,
             self._near,
@@ -261,9 +259,7 @@ class RadiationHistory:
     def commit(self, t_new: float, v_new: Array) -> None:
         """Accept the velocity v_new (d,) at t_new, after t_n or (replacing v_n) at it. ValueError if before."""
         if t_new < self.last[_TN]:
-            raise ValueError(
-                f"radiation memory: commit at t = {t_new} s, the history already ends at {self.time} s"
-            )
+            raise ValueError(f"radiation memory: commit at t = {t_new} s, the history already ends at {self.time} s")
         _commit(self.ring, self.last, self._grid, t_new, np.ascontiguousarray(v_new, dtype=np.float64))
 
     def arrays(self) -> dict[str, Array]:
@@ -390,9 +386,7 @@ def _blended(u, at, d, lags, shift, out):  # type: ignore[no-untyped-def]
             out[m * d + j] = value
     start = at + 3 * d
     for k in range((lags - 2) * d):
-        out[3 * d + k] = (
-            b0 * u[start + k + d] + b1 * u[start + k] + b2 * u[start + k - d] + b3 * u[start + k - 2 * d]
-        )
+        out[3 * d + k] = b0 * u[start + k + d] + b1 * u[start + k] + b2 * u[start + k - d] + b3 * u[start + k - 2 * d]
 
 
 @kernel

@@ -8,7 +8,7 @@ Element of unstretched length l0 between x1 and x2, d = x2 - x1, l = |d|, t = d/
     weight    m g, buoyancy phi rho A g; phi is the wet share of the element, A = pi d^2/4
     inertia   m a + phi rho A [Ca_n a_n + Ca_t a_t]                      (per unit length, own motion)
     drag      phi [0.5 rho d Cd_n |w_n| w_n + 0.5 rho pi d Cd_t |w_t| w_t],   w = fluid - line velocity
-    seabed    normal pressure k (z_bed - z) per unit area of d l0, with a damper
+    seabed    normal pressure pen (k - c/pen_c vz) on the area d l0, pen = z_bed - z, never pulling
 
 Everything but bending is lumped in equal halves to the element's two ends, with the element's own
 direction. *Lumped* mass rather than consistent: the added mass turns with the element and would make
@@ -17,7 +17,8 @@ convergence; MoorDyn and OrcaFlex lump as well, so element counts compare one to
 
 The damper of a bent pair acts on the rate of the angle: two directions have no other objective rate.
 Its direction is undefined in a straight line, so it fades out below 1e-4 rad.
-Sources: Morison et al. (1950); Hall & Goupee (2015), Ocean Engineering 104, for lumping and seabed.
+Sources: Morison et al. (1950); Hall & Goupee (2015), Ocean Engineering 104, for lumping;
+Hunt & Crossley (1975), Journal of Applied Mechanics 42, for a contact damper that grows with penetration.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from floatsim.laws.green import green_linear
 # rows of the element parameter array
 L0, EA, CA, MASS, AREA, CDN, CDT, CAN, CAT, DIA = range(10)
 # entries of the surroundings array
-RHO, GRAVITY, BED, BED_K, BED_C, BED_RAMP = range(6)
+RHO, GRAVITY, BED, BED_K, BED_C, BED_PEN = range(6)
 
 _STRAIGHT = 1e-4  # rad; below this the bending damper fades out
 _FOLDED = -0.9998  # cosine of 178.9 degrees: the pair is folded back on itself
@@ -281,20 +282,17 @@ def line_elements(x, v, a, u, c, nodes, P, env, slots, Ke, A, r, s):  # type: ig
                 Ke[b + m, 5] += cK * ykt * phi2
             if phi > 0.0:
                 _turning(Ke, b, cM, cC, cK, phi, l, t, acc, w, at_, wt, wn, wnl, inv, mn, mt, cn, ct)
-            # seabed under this half: spring, and a damper that comes in over BED_RAMP of penetration
+                # seabed under this half: p = pen (k - c/pen_c vz); convex in the penetration, so Newton does not cycle
             pen = env[BED] - x[p, 2]
             if pen > 0.0:
                 area = P[DIA, e] * half
-                share = pen / env[BED_RAMP]
-                slope = 1.0 / env[BED_RAMP]
-                if share >= 1.0:
-                    share, slope = 1.0, 0.0
+                cd = env[BED_C] / env[BED_PEN]
                 vz = v[3 * p + 2]
-                lift = area * (env[BED_K] * pen - env[BED_C] * share * vz)
+                lift = area * pen * (env[BED_K] - cd * vz)
                 if lift > 0.0:  # the bed pushes, it does not pull
                     r[3 * p + 2] -= lift
                     s[p] += lift
-                    Ke[b + 2, b + 2] += area * (cK * (env[BED_K] - env[BED_C] * slope * vz) + cC * env[BED_C] * share)
+                    Ke[b + 2, b + 2] += area * (cK * (env[BED_K] - cd * vz) + cC * cd * pen)
         for m in range(6):
             for n in range(6):
                 A[slots[e, 6 * m + n]] += Ke[m, n]
@@ -486,8 +484,7 @@ class LineBatch:
         self.B = np.ascontiguousarray(B[:, stiff])
         self.pair_index = stiff
         bed = sea.seabed
-        # a node of the heaviest line sinks in by about this much; the damper comes in over it
-        self.env = np.array([sea.density, gravity, -sea.depth, bed.stiffness, bed.damping, bed.ramp])
+        self.env = np.array([sea.density, gravity, -sea.depth, bed.stiffness, bed.damping, bed.damping_penetration])
         self.runs = [(p0 + 1, line.elements - 1) for line, p0 in zip(parts, first_point, strict=True)
                      if line.form == "shared" and line.elements > 1]  # fmt: skip
         self._Ke, self._K, self._C, self._f = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((6, 6)), np.zeros(6)

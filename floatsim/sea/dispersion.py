@@ -14,7 +14,9 @@ def wave_number(omega: ArrayLike, depth: float, gravity: float) -> NDArray[np.fl
     """
     w = np.asarray(omega, dtype=np.float64)
     if not (np.all(w >= 0.0) and np.all(np.isfinite(w)) and depth > 0.0 and gravity > 0.0):
-        raise ValueError(f"omega must be finite and not negative, depth and gravity positive; got {omega}, {depth}, {gravity}")
+        raise ValueError(
+            f"omega must be finite and not negative, depth and gravity positive; got {omega!r}, {depth}, {gravity}"
+        )
     if np.isinf(depth):
         return np.asarray(w * w / gravity)
     y = w * w * depth / gravity

@@ -9,8 +9,8 @@ level at the world's origin. A description (degrees, periods) becomes a `Realisa
 Irregular seas have deterministic amplitudes and random phases: the spectrum is cut into bins of equal energy, each
 with one wave at the frequency that halves the bin's energy. These frequencies have no common period; that the sum
 does not come near to repeating either is checked, not assumed (`IrregularWaves.duration`). The phases come from the
-raw integers of NumPy's PCG64 bit generator, whose stream for a seed is guaranteed to stay (distributions
-are not): phase = 2 pi (raw >> 11) / 2^53, in the order of the frequencies. Same seed, same sea, whatever else a model contains.
+raw integers of NumPy's PCG64 bit generator, whose stream for a seed is guaranteed to stay (distributions are not):
+phase = 2 pi (raw >> 11) / 2^53, in the order of the frequencies. Same seed, same sea, whatever else a model contains.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, SkipValidation, model_validator
 
-from floatsim.description import Description, Finite, Name, NonNegative, Positive, PositiveInt, Series
+from floatsim.description import Description, Finite, Name, Positive, PositiveInt, Series
 from floatsim.errors import ModelError
 from floatsim.jit import kernel
 from floatsim.sea.dispersion import wave_number
@@ -31,7 +31,10 @@ from floatsim.sea.spectra import Spectrum
 
 Array = NDArray[np.float64]
 
-_FORGOTTEN, _REPEATED = 0.3, 0.5  # of the envelope of the autocorrelation; chance alone reaches 0.25 with 100 components
+_FORGOTTEN, _REPEATED = (
+    0.3,
+    0.5,
+)  # of the envelope of the autocorrelation; chance alone reaches 0.25 with 100 components
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +189,7 @@ class IrregularWaves(Description):
             )
         amplitude = np.full(self.components, math.sqrt(2.0 * variance / self.components))
         raw = np.random.PCG64(self.seed).random_raw(self.components)
-        phase = (raw >> np.uint64(11)) * (2.0 * np.pi / 2.0**53)
+        phase = np.asarray((raw >> np.uint64(11)) * (2.0 * np.pi / 2.0**53), dtype=np.float64)
         sea = _realisation(amplitude, omega, self.heading_deg, 0.0, depth, gravity)
         return Realisation(sea.amplitude, omega, sea.wave_number, sea.heading, phase, depth, self.duration)
 

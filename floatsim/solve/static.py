@@ -16,6 +16,7 @@ the full law takes over. An equilibrium without compression is the same for both
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,9 +46,12 @@ class StaticReport:
     reason: str = ""
 
 
-def solve_static(system: System, state: State | None = None) -> tuple[State, StaticReport]:
+def solve_static(
+    system: System, state: State | None = None, hold: Sequence[str] = ()
+) -> tuple[State, StaticReport]:
     """Equilibrium at t = state.t without waves, from `state` or the drawing position.
 
+    hold: names of parts that stay where they are while everything else finds its equilibrium.
     Returns the state at rest and the report. Raises SolveFailed naming the worst unknown and the
     likely cause if it does not converge.
     """
@@ -70,6 +74,8 @@ def solve_static(system: System, state: State | None = None) -> tuple[State, Sta
     system.evaluate(w)
     lay = system.layout
     diagonal = lay.slot[(lay.rows == lay.cols) & (lay.rows < n_dof)]
+    held = system.unknowns_of(hold)
+    held_slots = lay.slots(held[:, None])[:, 0]
     best = np.inf
     w.c[4] = PUSH
     stalled = 0
@@ -77,14 +83,16 @@ def solve_static(system: System, state: State | None = None) -> tuple[State, Sta
         size = np.abs(w.A[diagonal])
         w.c[:4] = (1.0 / h**2, 0.0, 1.0, float(np.median(size[size > 0.0])) if size.any() else 1.0)
         system.evaluate(w)
+        w.r[held] = 0.0
+        w.A[held_slots] += 1e12 * w.c[3]
         norms(w.r, w.s, system.n_point, n_dof, w.c[3], out)
         if out[0] <= (TOLERANCE if w.c[4] == 1.0 else 1e-3) and out[2] <= 1e-10 * system.length and w.trouble is None:
             if w.c[4] == 1.0:
                 break
             w.c[4] = 1.0
-            system.evaluate(w)
+            continue
         if not np.isfinite(out[0]) or not linear.solve(w.A, w.r, d):
-            return _failed(system, w, iteration, "the stiffness matrix is singular: something is free to drift")
+            return _failed(system, w, iteration, "the stiffness matrix is singular: something is free to drift", held)
         move = float(np.abs(d[points]).max(initial=0.0))
         turn = float(np.abs(d[3 * system.n_point + 3 : n_dof]).max(initial=0.0))
         part = min(1.0, reach / move if move > 0.0 else 1.0, 0.1 / turn if turn > 0.0 else 1.0)
@@ -105,7 +113,7 @@ def solve_static(system: System, state: State | None = None) -> tuple[State, Sta
                 h, stalled, best = 0.05, 0, np.inf
         h = min(h, 1e8)
     else:
-        return _failed(system, w, MAX_ITERATIONS, w.trouble or "no convergence")
+        return _failed(system, w, MAX_ITERATIONS, w.trouble or "no convergence", held)
     result = start
     for name in ("x", "q", "lam"):
         np.copyto(getattr(result, name), getattr(w, name))
@@ -113,13 +121,14 @@ def solve_static(system: System, state: State | None = None) -> tuple[State, Sta
         getattr(result, name)[:] = 0.0
     result.step = 0.0
     system.forget(result)
-    return result, _report(system, w, iteration, True, "")
+    return result, _report(system, w, iteration, True, "", held)
 
 
-def _report(system: System, w, iterations: int, converged: bool, reason: str) -> StaticReport:  # type: ignore[no-untyped-def]
+def _report(system: System, w, iterations: int, converged: bool, reason: str, held) -> StaticReport:  # type: ignore[no-untyped-def]
     """Unbalanced forces in newtons, from the raw residual of a fresh evaluation."""
     w.c[:4] = (0.0, 0.0, 0.0, 1.0)
     system.evaluate(w)
+    w.r[held] = 0.0
     n = 3 * system.n_point
     force = np.abs(w.r[:n])
     moment = np.abs(w.r[n + 3 : system.n_dof - 3])
@@ -131,8 +140,8 @@ def _report(system: System, w, iterations: int, converged: bool, reason: str) ->
     )  # fmt: skip
 
 
-def _failed(system: System, w, iterations: int, reason: str) -> tuple[State, StaticReport]:  # type: ignore[no-untyped-def]
-    report = _report(system, w, iterations, False, reason)
+def _failed(system: System, w, iterations: int, reason: str, held) -> tuple[State, StaticReport]:  # type: ignore[no-untyped-def]
+    report = _report(system, w, iterations, False, reason, held)
     raise SolveFailed(
         f"no static equilibrium after {iterations} iterations: {reason}; largest unbalanced force "
         f"{report.residual_force:.3g} N at {report.worst}",

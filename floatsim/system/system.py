@@ -14,19 +14,19 @@ What a batch offers the system (the protocol; a part's description names its bat
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from floatsim.errors import ModelError, SolveFailed
-from floatsim.frames import Array, quaternion_from_matrix
+from floatsim.errors import ModelError
+from floatsim.frames import Array, quaternion_from_matrix, set_matrix
 from floatsim.jit import kernel
 from floatsim.joints.constraints import Align, Coincide, Constraints, Place
 from floatsim.model import Model
 from floatsim.system.layout import build_layout
 from floatsim.system.state import State, Work
-from floatsim.frames import set_matrix, turn_quaternion
 
 
 class Numbering:
@@ -217,6 +217,17 @@ class System:
         for k, batch in enumerate(self.batches):
             if hasattr(batch, "commit"):
                 batch.commit(state.history[k], w)
+
+    def unknowns_of(self, names: Sequence[str]) -> NDArray[np.int64]:
+        """Velocity unknowns of whole parts, by name."""
+        out: list[int] = []
+        num = self.numbering
+        for name in names:
+            k = num.index(name)
+            part, p, r = num.parts[k], num.first_point[k], self.n_point + 1 + num.first_rotation[k]
+            out += range(3 * p, 3 * (p + part.n_points))
+            out += range(3 * r, 3 * (r + part.n_rotations))
+        return np.array(out, dtype=np.int64)
 
     def unknown_name(self, i: int) -> str:
         """What unknown i belongs to, in the user's words."""

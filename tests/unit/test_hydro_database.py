@@ -118,7 +118,7 @@ def test_frequencies_must_be_finite_positive_and_increasing(omega: list[float]) 
 def test_added_mass_from_damping_closed_form_second_order() -> None:
     errors = []
     for step in (0.04, 0.02):
-        omega = step * np.arange(1, round(20.0 / step) + 1)
+        omega = np.array([step * k for k in range(1, round(20.0 / step) + 1)])
         exact, damping = lorentzian(omega)
         low = omega <= 10.0
         errors.append(np.abs(added_mass_from_damping(omega, damping) - exact)[low].max())
@@ -139,7 +139,7 @@ def test_consistent_database_passes_everything() -> None:
     assert set(found.values()) == {"ok"}, found
 
 
-def spoiled(name: str, index: tuple[Any, ...], factor: float, add: float = 0.0) -> HydroDatabase:
+def spoiled(name: str, index: tuple[Any, ...], factor: complex, add: float = 0.0) -> HydroDatabase:
     db = consistent()
     array = getattr(db, name).copy()
     array[index] = array[index] * factor + add
@@ -351,6 +351,7 @@ def test_shipped_database_has_the_published_hydrostatics(shipped: HydroDatabase)
 
 
 def test_shipped_mesh_is_the_one_the_script_makes(shipped: HydroDatabase, script: ModuleType) -> None:
+    assert shipped.hull_vertices is not None and shipped.hull_faces is not None
     mesh = (shipped.hull_vertices, shipped.hull_faces)
     script.check_mesh(mesh)
     assert script.mesh_hash(mesh) == shipped.source["mesh_hash"]

@@ -204,7 +204,7 @@ def started(kernel, until=7.0, step=0.1):
 
 @pytest.mark.parametrize("step", [0.02, 0.1, 0.13, 0.37])
 def test_tangent_is_the_difference_of_two_committed_velocities(smooth, step):
-    """After committing, `prepare` at the same time gives the force without a trial: another route to the same number."""
+    """After committing, `prepare` at the same time gives the force without a trial: another route to the number."""
     history = started(smooth)
     t = history.time + step
     v = velocity(t)

@@ -61,8 +61,9 @@ def test_every_spectrum_keeps_its_significant_height(cls):
 def test_jonswap_normalisation_and_peak(gamma):
     spectrum = Jonswap(hs=5.0, tp=11.0, gamma=gamma)
     assert moment(spectrum, 0) == pytest.approx(25.0 / 16.0, rel=2e-6)
-    # IEC 61400-3-1 annex C and DNV-RP-C205 3.5.5.5: the fit 1 - 0.287 ln(gamma) of the same constant
-    assert spectrum.normalisation == pytest.approx(1.0 - 0.287 * np.log(gamma), rel=0.012)
+    # IEC 61400-3-1 annex C and DNV-RP-C205 3.5.5.5: the fit 1 - 0.287 ln(gamma) of the same constant,
+    # within 1 % of hs, that is 2 % of the constant
+    assert spectrum.normalisation == pytest.approx(1.0 - 0.287 * np.log(gamma), rel=0.02)
     # at the peak the exponent b is one
     peak = 2.0 * np.pi / 11.0
     expected = spectrum.normalisation * 5.0 / 16.0 * 25.0 / peak * np.exp(-1.25) * gamma
@@ -71,14 +72,13 @@ def test_jonswap_normalisation_and_peak(gamma):
     assert omega[spectrum.density(omega).argmax()] == pytest.approx(peak, abs=2e-4)
 
 
-@pytest.mark.parametrize(("gamma", "ratio"), [(1.0, 1.4049), (3.3, 1.2859), (5.0, 1.2346)])
-def test_jonswap_mean_zero_crossing_period(gamma, ratio):
-    """tp/tz for gamma 1 and 3.3: DNV-RP-C205 3.5.5.4; for 5 from its polynomial in gamma, 3.5.5.5."""
-    if gamma == 5.0:
-        ratio = 1.0 / (0.6673 + 0.05037 * gamma - 0.006230 * gamma**2 + 0.0003341 * gamma**3)
+@pytest.mark.parametrize("gamma", [1.0, 3.3, 5.0])
+def test_jonswap_mean_zero_crossing_period(gamma):
+    """tz/tp = 0.6673 + 0.05037 gamma - 0.006230 gamma^2 + 0.0003341 gamma^3: a fit, DNV-RP-C205 3.5.5.5."""
     spectrum = Jonswap(hs=3.0, tp=10.0, gamma=gamma)
     tz = 2.0 * np.pi * np.sqrt(moment(spectrum, 0) / moment(spectrum, 2))
-    assert 10.0 / tz == pytest.approx(ratio, rel=2e-3)
+    ratio = 0.6673 + 0.05037 * gamma - 0.006230 * gamma**2 + 0.0003341 * gamma**3
+    assert tz / 10.0 == pytest.approx(ratio, rel=3e-3)
 
 
 def test_pierson_moskowitz_is_jonswap_without_enhancement_and_has_its_closed_moments():
@@ -168,7 +168,7 @@ def test_phases_are_those_of_pcg64():
     assert waves.phase == pytest.approx(expected, abs=1e-15)
     # the published vector again, by hand: 0x60d24054e17a0698/2^64 = 0.378208
     assert sea(seed=0xDEADBEAF).phase[0] == pytest.approx(2.0 * np.pi * 0x60D24054E17A0698 / 2**64, abs=1e-14)
-    assert 0.0 <= waves.phase.min() and waves.phase.max() < 2.0 * np.pi
+    assert waves.phase.min() >= 0.0 and waves.phase.max() < 2.0 * np.pi
 
 
 def test_same_seed_same_sea_other_seed_other_phases_only():
@@ -198,9 +198,9 @@ def test_a_sea_that_would_repeat_is_refused():
         def density(self, omega):
             return np.where(np.abs(omega - 0.6) < 0.05, 1.0, 0.0)
 
-    # 20 bins 0.005 rad/s wide: 2 pi/0.005 = 1257 s, from where the envelope is above one half about 38 s earlier:
-    # |sin(20 x)/(20 sin x)| = 1/2 at 20 x = 1.8955, x = 0.005 tau/2
-    with pytest.raises(ModelError, match=r"'swell': 20 components repeat after 12[0-4]\d s, the sea must last 3600 s"):
+    # 20 bins 0.005 rad/s wide come back after 2 pi/0.005 = 1257 s; the envelope |sin(20 x)/(20 sin x)|,
+    # x = 0.005 tau/2, is above one half from 20 x = 20 pi - 1.8955 on: 1219 s (and 3 s from sample to sample)
+    with pytest.raises(ModelError, match=r"'swell': 20 components repeat after 12(19|2\d) s, the sea must last 3600 s"):
         IrregularWaves(spectrum=Comb(), seed=1, components=20, name="swell").realise(100.0, G)
     waves = IrregularWaves(spectrum=Comb(), seed=1, components=20, duration=1000.0).realise(100.0, G)
     assert waves.duration == 1000.0
@@ -213,7 +213,7 @@ def test_a_spectrum_of_the_users_own():
         def density(self, omega):
             return np.where((omega > 0.4) & (omega < 1.0), 2.0, 0.0)
 
-    waves = IrregularWaves(spectrum=Box(), seed=1).realise(np.inf, G)
+    waves = IrregularWaves(spectrum=Box(), seed=1, duration=1800.0).realise(np.inf, G)
     # 2 m2 s/rad over 0.6 rad/s, even spacing; the edges fall between the points of the grid (3.5e-4 apart in ln w)
     assert waves.variance == pytest.approx(1.2, rel=1e-3)
     assert waves.omega == pytest.approx(0.4 + 0.6 * (np.arange(200) + 0.5) / 200.0, abs=4e-4)
@@ -243,7 +243,15 @@ def test_a_cut_leaves_the_rest_as_it_was():
 
 @pytest.mark.parametrize(
     "bad",
-    [{"seed": -1}, {"seed": 1.5}, {"seed": True}, {"components": 0}, {"duration": 0.0}, {"hs": 3.0}, {"heading_deg": np.inf}],
+    [
+        {"seed": -1},
+        {"seed": 1.5},
+        {"seed": True},
+        {"components": 0},
+        {"duration": 0.0},
+        {"hs": 3.0},
+        {"heading_deg": np.inf},
+    ],
 )
 def test_irregular_waves_refuse_bad_values(bad):
     with pytest.raises(ModelError, match=f"IrregularWaves.*{next(iter(bad))}"):
@@ -267,9 +275,13 @@ def test_regular_wave_travels_where_it_says():
 
 
 def test_components_add_up_and_broadcast():
-    both = WaveComponents(amplitude=(1.0, 0.5), omega=(0.5, 1.1), heading_deg=(0.0, 90.0), phase_deg=10.0).realise(80.0, G)
+    both = WaveComponents(amplitude=(1.0, 0.5), omega=(0.5, 1.1), heading_deg=(0.0, 90.0), phase_deg=10.0).realise(
+        80.0, G
+    )
     one = RegularWave(height=2.0, period=2.0 * np.pi / 0.5, phase_deg=10.0).realise(80.0, G)
-    two = WaveComponents(amplitude=[0.5], period=[2.0 * np.pi / 1.1], heading_deg=90.0, phase_deg=[10.0]).realise(80.0, G)
+    two = WaveComponents(amplitude=[0.5], period=[2.0 * np.pi / 1.1], heading_deg=90.0, phase_deg=[10.0]).realise(
+        80.0, G
+    )
     x = np.linspace(-50.0, 50.0, 4)[:, None]
     t = np.linspace(0.0, 30.0, 5)
     total = both.elevation(x, 3.0, t)
