@@ -7,7 +7,9 @@ loaded where they are used.
 """
 
 from floatsim.errors import CaseError, FloatsimError, ModelError, SolveFailed
+from floatsim.hydro.database import HydroDatabase, check_database
 from floatsim.hydro.floater import PotentialFlow
+from floatsim.hydro.wamit import read_wamit
 from floatsim.joints.ball import Ball
 from floatsim.joints.clamp import Clamp
 from floatsim.joints.prescribed import Motion, Prescribed
@@ -18,17 +20,24 @@ from floatsim.parts.line import Line, Section
 from floatsim.parts.point_mass import PointMass
 from floatsim.parts.spring import Spring
 from floatsim.sea.site import Current, Sea, Seabed
+from floatsim.sea.spectra import Jonswap, PiersonMoskowitz
+from floatsim.sea.waves import IrregularWaves, RegularWave, WaveComponents
+from floatsim.solve.modes import Mode, natural_modes
 from floatsim.solve.scheme import Scheme, generalised_alpha, hht, newmark
 from floatsim.solve.static import StaticReport, solve_static
 from floatsim.solve.step import StepReport, Stepper, step
+from floatsim.study.decay_test import DecayTest, decay_test
+from floatsim.study.simulate import Run, simulate
 from floatsim.system.state import State
 from floatsim.system.system import System, assemble
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "Ball", "Body", "CaseError", "Clamp", "Current", "Expected", "FloatsimError", "Line", "Model", "ModelError",
-    "Motion", "PointMass", "PotentialFlow", "Prescribed", "Scheme", "Sea", "Seabed", "Section", "SolveFailed", "Spring", "State",
-    "StaticReport", "StepReport", "Stepper", "System", "Weld", "assemble", "generalised_alpha", "hht", "newmark",
-    "solve_static", "step",
+    "Ball", "Body", "CaseError", "Clamp", "Current", "DecayTest", "Expected", "FloatsimError", "HydroDatabase",
+    "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError", "Motion", "PiersonMoskowitz", "PointMass",
+    "PotentialFlow", "Prescribed", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "SolveFailed", "Spring",
+    "State", "StaticReport", "StepReport", "Stepper", "System", "WaveComponents", "Weld", "assemble", "check_database",
+    "decay_test", "generalised_alpha", "hht", "natural_modes", "newmark", "read_wamit", "simulate", "solve_static",
+    "step",
 ]  # fmt: skip

@@ -138,6 +138,20 @@ class HydroDatabase:
                 problems.append(f"{label}: {key} is {getattr(self, key)}, must be positive")
         return problems
 
+    def at(self, omega: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """A(w) and B(w), (6, 6) each, at omega [rad/s]: cubic in between, B(0) = 0, A held below the lowest
+        frequency (or taken to A(0) where it is known); A_inf and no damping above the highest."""
+        from scipy.interpolate import CubicSpline
+
+        if omega > self.omega[-1]:
+            return self.added_mass_inf, np.zeros_like(self.added_mass_inf)
+        damping = np.concatenate([np.zeros((1, 6, 6)), self.radiation_damping])
+        B = CubicSpline(np.concatenate([[0.0], self.omega]), damping)(omega)
+        if self.added_mass_zero is not None:
+            mass = np.concatenate([self.added_mass_zero[None], self.added_mass])
+            return CubicSpline(np.concatenate([[0.0], self.omega]), mass)(omega), B
+        return CubicSpline(self.omega, self.added_mass)(max(omega, self.omega[0])), B
+
     @classmethod
     def read(cls, path: str | Path) -> HydroDatabase:
         """Database in the netCDF file `path`, whatever time sign its author used.

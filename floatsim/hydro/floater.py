@@ -267,6 +267,19 @@ class FloaterBatch:
         floater_loads(w.x, w.q, w.v, w.a, w.u, w.c, self.where, self.P, self.matrices, self.external, self.nu,
                       self._slots, self._Y, self._L, self._K, w.A, w.r, w.s)  # fmt: skip
 
+    def frequency_terms(self, omega: float, n_point: int) -> tuple[Array, Array, Array]:
+        """Unknowns (n, 6), A(w) - A_inf and B(w) (n, 6, 6) in world axes at omega [rad/s]."""
+        masses, dampings = [], []
+        for b, part in enumerate(self.parts):
+            db = part.body.hydro.data
+            turn = np.zeros((6, 6))
+            co, si = self.P[b, :2]
+            turn[:3, :3] = turn[3:, 3:] = [[co, -si, 0.0], [si, co, 0.0], [0.0, 0.0, 1.0]]
+            A, B = db.at(omega)
+            masses.append(turn @ (A - db.added_mass_inf) @ turn.T)
+            dampings.append(turn @ B @ turn.T)
+        return self.dofs(n_point)[0], np.array(masses), np.array(dampings)
+
     def commit(self, history: list[RadiationHistory], w: Any) -> None:
         """Take the accepted velocities into the memories."""
         for b, memory in enumerate(history):

@@ -9,11 +9,16 @@ from floatsim.description import Description, Name, Vector3
 from floatsim.joints.constraints import Align, Coincide, Place
 
 
+def default_label(target: str) -> str:
+    """Name of a joint that was given none; never the name of the part itself."""
+    return target.replace(".", "_") if "." in target else f"{target}_joint"
+
+
 class Ball(Description):
     """Ball joint between `a` and `b`: names of connection points, or b a fixed point (x, y, z) [m].
 
-    name: of the joint in outputs; default: `a` with dots as underscores. The joint's force is what
-    a exerts on b.
+    name: of the joint in outputs; default: `a` with dots as underscores, PART_joint for a part's own
+    point. The joint's force is what a exerts on b.
     """
 
     a: str
@@ -22,7 +27,7 @@ class Ball(Description):
 
     @property
     def label(self) -> str:
-        return self.name or self.a.replace(".", "_")
+        return self.name or default_label(self.a)
 
     def targets(self) -> tuple[str | tuple[float, float, float], ...]:
         """Connection points that must resolve."""

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from floatsim.description import Description, Name
 from floatsim.errors import ModelError
 from floatsim.frames import Array, matrix_from_angles
+from floatsim.joints.ball import default_label
 from floatsim.joints.constraints import Align, Coincide, Place
 from floatsim.joints.weld import weld_axes
 
@@ -119,7 +120,7 @@ class Prescribed(Description):
 
     @property
     def label(self) -> str:
-        return self.name or self.a.replace(".", "_")
+        return self.name or default_label(self.a)
 
     def targets(self) -> tuple[str | tuple[float, float, float], ...]:
         return (self.a,)

@@ -1,0 +1,258 @@
+"""The command line: thin. Exit status 0 done, 1 a run failed, 2 bad input; a traceback is a bug."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import floatsim
+from floatsim.errors import CaseError, FloatsimError, ModelError, SolveFailed
+
+app = typer.Typer(
+    name="floatsim", no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
+    help="Dynamics of floating wind turbines, wave-energy converters and their moorings and power cables.",
+)  # fmt: skip
+
+Script = Annotated[str, typer.Argument(metavar="MODEL.py", help="Python file with a build(**parameters) -> Model.")]
+Parameters = Annotated[list[str], typer.Option("-p", metavar="NAME=VALUE", help="Parameter of build(); repeatable.")]
+OUTPUT_HELP = "netCDF file to write."
+
+
+def _console() -> Any:
+    from rich.console import Console
+
+    return Console(highlight=False, soft_wrap=not sys.stdout.isatty())
+
+
+def _table(title: str, columns: list[str], rows: list[list[str]]) -> Any:
+    from rich.box import SIMPLE
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", box=SIMPLE, pad_edge=False)
+    for k, column in enumerate(columns):
+        table.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def _load(script: str, parameters: list[str]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+    """(system, parameters, attributes for the output file)."""
+    from floatsim.jit import cache_is_cold
+    from floatsim.study.script import input_hash, load_model, parse_parameters
+
+    values = parse_parameters(parameters)
+    model = load_model(script, values)
+    if cache_is_cold():
+        typer.echo("floatsim: compiling its kernels, once for this version on this machine (up to a minute) ...", err=True)
+    system = floatsim.assemble(model)
+    attributes = {
+        "model_script": Path(script).name,
+        "model_parameters": repr(values),
+        "floatsim_version": floatsim.__version__,
+        "input_hash": input_hash(script, values, {}),
+    }
+    return system, values, attributes
+
+
+class _Bar:
+    """Progress on a terminal: simulated time, real-time factor, Newton iterations. Nothing elsewhere."""
+
+    def __init__(self, duration: float) -> None:
+        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+        self.duration = duration
+        self.bar = Progress(
+            TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[note]}"), TimeRemainingColumn(),
+            disable=not sys.stderr.isatty(), transient=True, console=_stderr(),
+        )  # fmt: skip
+
+    def __enter__(self) -> Callable[[float, int], None]:
+        import time
+
+        self.bar.start()
+        task = self.bar.add_task("running", total=self.duration, note="")
+        began = time.perf_counter()
+
+        def show(t: float, iterations: int) -> None:
+            factor = t / max(time.perf_counter() - began, 1e-9)
+            note = f"{t:.1f} of {self.duration:g} s, {factor:.0f} x real time, {iterations} Newton iterations"
+            self.bar.update(task, completed=t, note=note)
+
+        return show
+
+    def __exit__(self, *args: object) -> None:
+        self.bar.stop()
+
+
+def _stderr() -> Any:
+    from rich.console import Console
+
+    return Console(stderr=True)
+
+
+@app.command()
+def check(script: Script, p: Parameters = []) -> None:  # noqa: B006
+    """Problems, equilibrium sheet, hydrodynamic checks and the table of unknowns."""
+    from floatsim.study.sheet import body_sheets, database_findings, dof_table, line_notes
+
+    system, _, _ = _load(script, p)
+    model, console = system.model, _console()
+    console.print(f"model '{model.name}': no problems in {len(model.parts)} parts and {len(model.joints)} joints")
+    for sheet in body_sheets(system):
+        f, m, a = sheet.net_force, sheet.net_moment, sheet.attached
+        rows = [
+            ["weight [kN]", "", "", f"{-sheet.weight / 1e3:.2f}"],
+            ["buoyancy [kN]", "", "", f"{sheet.buoyancy / 1e3:.2f}"],
+            ["lines, joints, springs [kN]", *(f"{y / 1e3:.2f}" for y in a)],
+            ["net force [kN]", *(f"{y / 1e3:.2f}" for y in f)],
+            ["net moment [kN m]", *(f"{y / 1e3:.2f}" for y in m)],
+        ]
+        console.print(_table(f"equilibrium sheet of '{sheet.name}' at its drawing position", ["", "x", "y", "z"], rows))
+        if sheet.heave == sheet.heave:
+            console.print(
+                f"expected heave {sheet.heave:+.3f} m (draught {-sheet.heave:+.3f} m); stiffness with weight: roll "
+                f"{sheet.stiffness_roll:.4g}, pitch {sheet.stiffness_pitch:.4g} N m/rad"
+            )
+        for warning in sheet.warnings:
+            typer.echo(f"warning: body '{sheet.name}' {warning}", err=True)
+    findings = database_findings(model)
+    if findings:
+        rows = [[f"{body}: {f.quantity}", f.severity, f.message] for body, f in findings]
+        console.print(_table("hydrodynamic database", ["quantity", "verdict", "what was found"], rows))
+    for note in line_notes(model):
+        console.print(note)
+    rows = [[name, kind, str(a), str(b)] for name, kind, a, b in dof_table(system)]
+    console.print(_table("unknowns", ["name", "kind", "points or rows", "rotations"], rows))
+    console.print(f"{3 * (system.n_point + system.n_rotation)} degrees of freedom, {system.n_con} constraint rows")
+    if any(f.severity == "error" for _, f in findings):
+        raise ModelError("the hydrodynamic database has errors, see above")
+
+
+@app.command()
+def static(
+    script: Script, p: Parameters = [], output: Annotated[str | None, typer.Option("-o", help=OUTPUT_HELP)] = None  # noqa: B006
+) -> None:
+    """Static equilibrium: positions, end forces, unbalanced forces."""
+    from floatsim.study.report import static_tables, write_state
+
+    system, _, attributes = _load(script, p)
+    state, report = floatsim.solve_static(system)
+    if output is not None:
+        write_state(system, state, output, attributes)
+    console = _console()
+    for title, columns, rows in static_tables(system, state):
+        console.print(_table(title, columns, rows))
+    console.print(
+        f"converged in {report.iterations} iterations; largest unbalanced force {report.residual_force:.2g} N "
+        f"({report.worst}), moment {report.residual_moment:.2g} N m"
+    )
+
+
+@app.command()
+def modes(
+    script: Script, p: Parameters = [], count: Annotated[int, typer.Option(help="How many, slowest first.")] = 12  # noqa: B006
+) -> None:
+    """Natural periods, radiation damping and shapes of the moored system about its equilibrium."""
+    system, _, _ = _load(script, p)
+    found = floatsim.natural_modes(system, count=count)
+    rows = [[mode.label, f"{mode.period:.3f}", f"{100.0 * mode.damping_ratio:.3f}"] for mode in found]
+    _console().print(_table("natural modes", ["shape (share of kinetic energy)", "period [s]", "damping [%]"], rows))
+
+
+@app.command()
+def decay(
+    script: Script,
+    dof: Annotated[str, typer.Option(help="surge, sway, heave, roll, pitch or yaw.")],
+    offset: Annotated[float, typer.Option(help="Metres for surge, sway, heave; DEGREES for roll, pitch, yaw.")],
+    p: Parameters = [],  # noqa: B006
+    output: Annotated[str | None, typer.Option("-o", help=OUTPUT_HELP)] = None,
+    body: Annotated[str | None, typer.Option(help="Body to release, if there are several.")] = None,
+    release: Annotated[str, typer.Option(help="'equilibrium' plus offset, or 'absolute' drawing position plus it.")] = "equilibrium",
+    duration: Annotated[float | None, typer.Option(help="Seconds; default eight natural periods.")] = None,
+    dt: Annotated[float, typer.Option(help="Time step [s].")] = 0.1,
+) -> None:
+    """Decay test: natural period, linear and quadratic damping."""
+    from floatsim.study.report import decay_tables
+
+    system, _, attributes = _load(script, p)
+    with _Bar(duration or 0.0) as show:
+        result = floatsim.decay_test(
+            system, dof, offset, body=body, release=release, duration=duration, dt=dt, output=output,  # type: ignore[arg-type]
+            attributes=attributes, progress=show,
+        )  # fmt: skip
+    console = _console()
+    for title, columns, rows in decay_tables(result):
+        console.print(_table(title, columns, rows))
+    _say_run(console, result.run)
+
+
+@app.command()
+def run(
+    script: Script,
+    duration: Annotated[float, typer.Option(help="Seconds to simulate.")],
+    p: Parameters = [],  # noqa: B006
+    output: Annotated[str, typer.Option("-o", help=OUTPUT_HELP)] = "out.nc",
+    dt: Annotated[float, typer.Option(help="Largest time step [s].")] = 0.1,
+    interval: Annotated[float | None, typer.Option(help="Seconds between outputs; default dt.")] = None,
+    channel: Annotated[list[str], typer.Option(help="Keep this channel only; repeatable.")] = [],  # noqa: B006
+    precision: Annotated[str, typer.Option(help="float64 or float32.")] = "float64",
+) -> None:
+    """Simulate from the static equilibrium and write a netCDF file."""
+    system, _, attributes = _load(script, p)
+    with _Bar(duration) as show:
+        result = floatsim.simulate(
+            system, duration, dt, output=output, interval=interval, channels=channel or "all",
+            precision=precision, attributes=attributes, progress=show,  # type: ignore[arg-type]
+        )  # fmt: skip
+    _say_run(_console(), result)
+    if result.status == "failed":
+        raise SolveFailed(f"run failed {result.failure}")
+
+
+@app.command()
+def plot(
+    file: Annotated[str, typer.Argument(metavar="OUT.nc", help="Result file.")],
+    output: Annotated[str | None, typer.Option("-o", help="PNG file; default: beside the results.")] = None,
+) -> None:
+    """Draw motions, tensions and solver history of a result file."""
+    from floatsim.study.plot import plot_file
+
+    target = output or str(Path(file).with_suffix(".png"))
+    plot_file(file, target)
+    typer.echo(f"wrote {target}")
+
+
+def _say_run(console: Any, result: Any) -> None:
+    factor = result.simulated_time / result.wall_time if result.wall_time > 0.0 else float("inf")
+    console.print(
+        f"{result.status}: {result.simulated_time:g} s in {result.wall_time:.2f} s ({factor:.0f} x real time), "
+        f"{result.steps} steps, {result.cut_steps} cut, {result.newton_iterations} Newton iterations"
+        + (f", results in {result.path}" if result.path else "")
+    )
+
+
+def main() -> None:
+    """Entry point: floatsim's own errors become one message each and an exit status."""
+    try:
+        status = app(standalone_mode=False)
+    except (ModelError, CaseError) as error:
+        for line in error.problems:
+            typer.echo(f"error: {line}", err=True)
+        sys.exit(2)
+    except FloatsimError as error:
+        typer.echo(f"failed: {error}", err=True)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        typer.echo("interrupted", err=True)
+        sys.exit(130)
+    except Exception as error:
+        if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # click's own usage errors
+            typer.echo(f"error: {error.format_message()}", err=True)
+            sys.exit(2)
+        raise
+    sys.exit(status if isinstance(status, int) else 0)

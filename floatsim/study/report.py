@@ -1,0 +1,76 @@
+"""Tables for the terminal, as (title, columns, rows) of plain text, and the file of a static solution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from floatsim.parts.body import Body
+from floatsim.parts.line import Line
+from floatsim.study.channels import Sampler
+from floatsim.study.decay_test import DOFS, DecayTest, pose
+from floatsim.study.store import Writer
+from floatsim.system.state import State
+from floatsim.system.system import System
+
+Table = tuple[str, list[str], list[list[str]]]
+
+
+def write_state(system: System, state: State, path: str | Path, attributes: Mapping[str, str | int | float]) -> None:
+    """One state as a result file with a single sample. Raises CaseError if it cannot be written."""
+    sampler = Sampler(system, "all")
+    with Writer(path, sampler.channels, sampler.coordinates, attributes, samples=1) as file:
+        file.append(state.t, sampler.sample(system.work(), state, 0, 0.0))
+
+
+def static_tables(system: System, state: State) -> list[Table]:
+    """Positions of bodies and end forces of lines."""
+    bodies = [part for part in system.model.parts if isinstance(part, Body)]
+    lines = [part for part in system.model.parts if isinstance(part, Line)]
+    tables: list[Table] = []
+    if bodies:
+        rows = []
+        for body in bodies:
+            xi = pose(system, state, body.name)
+            rows.append([body.name, *(f"{y:.4f}" for y in (*xi[:3], *np.degrees(xi[3:])))])
+        columns = ["body", *(f"{d} [{'m' if k < 3 else 'deg'}]" for k, d in enumerate(DOFS))]
+        tables.append(("displacement from the drawing position", columns, rows))
+    if lines:
+        sampler = Sampler(system, "all")
+        row = sampler.sample(system.work(), state, 0, 0.0)[None]
+        rows = []
+        for line in lines:
+            ends = [sampler.column(row, f"{line.name}_end_{e}_force")[0] / 1e3 for e in "ab"]
+            tension = sampler.column(row, f"{line.name}_tension")[0] / 1e3
+            rows.append([line.name, *(f"{y:.3f}" for y in (np.linalg.norm(ends[0]), np.linalg.norm(ends[1]),
+                                                           tension[0], tension[-1], tension.max()))])  # fmt: skip
+        columns = ["line", "|force| at end a [kN]", "at end b [kN]", "tension first", "last element", "largest [kN]"]
+        tables.append(("lines (force of the line on what its end is attached to)", columns, rows))
+    return tables
+
+
+def decay_tables(result: DecayTest) -> list[Table]:
+    """Extrema, cycles and the fit of a decay test."""
+    fit = result.fit
+    unit = "m" if result.dof in DOFS[:3] else "deg"
+    extrema = [[f"{t:.2f}", f"{x:+.4f}"] for t, x in zip(fit.times, fit.extrema)]
+    cycles = [[str(k + 1), f"{period:.3f}"] for k, period in enumerate(fit.periods)]
+    summary = [["mean period of the first three cycles", f"{fit.period:.3f} s"]]
+    if result.expected_period is not None:
+        off = 100.0 * (fit.periods[0] / result.expected_period - 1.0)
+        summary.append(["expected by the model's source", f"{result.expected_period:.3f} s"])
+        summary.append(["first cycle against it", f"{off:+.2f} %"])
+    low, high = fit.amplitudes
+    summary += [
+        ["linear damping ratio", f"{100.0 * fit.linear:.3f} %"],
+        ["quadratic damping, b of b |x'| x'", f"{fit.quadratic:.5g} 1/{unit}"],
+        ["fitted over amplitudes", f"{low:.3g} to {high:.3g} {unit}"],
+    ]
+    title = f"{result.dof} decay of '{result.body}' from {result.offset:g} {unit} about {result.equilibrium:.4f} {unit}"
+    return [
+        (title, ["extremum at [s]", f"about equilibrium [{unit}]"], extrema),
+        ("cycles, maximum to maximum", ["cycle", "period [s]"], cycles),
+        ("result", ["", ""], summary),
+    ]

@@ -1,0 +1,114 @@
+"""The equilibrium sheet: what pulls and pushes on every floating body at its drawing position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floatsim.frames import Array
+from floatsim.hydro.database import Finding, check_database
+from floatsim.model import Model
+from floatsim.parts.body import Body
+from floatsim.parts.line import Line
+from floatsim.solve.static import solve_static
+from floatsim.system.system import System
+
+
+@dataclass(frozen=True)
+class BodySheet:
+    """Forces (3,) [N] and moments (3,) [N m] about the reference point, world axes, at the drawing position.
+
+    attached: by lines, joints and springs, in static equilibrium with the body held. net: of everything.
+    heave: expected change of draught [m], net lift over the waterplane stiffness (nan without hydrodynamics).
+    stiffness_roll, stiffness_pitch: hydrostatic, weight included [N m/rad].
+    """
+
+    name: str
+    weight: float
+    buoyancy: float
+    attached: Array
+    net_force: Array
+    net_moment: Array
+    heave: float
+    stiffness_roll: float
+    stiffness_pitch: float
+    warnings: tuple[str, ...]
+
+
+def body_sheets(system: System) -> list[BodySheet]:
+    """One sheet for every body, with the other parts in static equilibrium around it.
+
+    Raises SolveFailed if they find none.
+    """
+    model = system.model
+    bodies = [part for part in model.parts if isinstance(part, Body)]
+    state, _ = solve_static(system, hold=[body.name for body in bodies])
+    w = system.work()
+    system.load(w, state)
+    w.still = True
+    system.begin(w, state, 0.0)
+    system.evaluate(w)
+    return [_sheet(system, model, body, w.r) for body in bodies]
+
+
+def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
+    unknowns = system.unknowns_of([body.name])
+    net = -r[unknowns]
+    weight = body.mass * model.gravity
+    flow = body.hydro
+    buoyancy = 0.0 if flow is None else model.sea.density * model.gravity * flow.volume
+    attached = net[:3] - np.array([0.0, 0.0, buoyancy - weight])
+    heave = roll = pitch = float("nan")
+    warnings = []
+    if flow is not None:
+        C = flow.data.hydrostatic_stiffness
+        roll = float(C[3, 3] - weight * body.center_of_mass[2])
+        pitch = float(C[4, 4] - weight * body.center_of_mass[2])
+        heave = float(net[2] / C[2, 2]) if C[2, 2] > 0.0 else float("nan")
+        if net[2] < 0.0 and not C[2, 2] > 0.0:
+            warnings.append(f"sinks: {-net[2] / 1e3:.4g} kN are missing and there is no waterplane to carry them")
+        elif abs(net[2]) > 0.02 * buoyancy:
+            way = "deeper" if net[2] < 0.0 else "higher"
+            warnings.append(
+                f"floats {abs(heave):.3g} m {way} than drawn: net lift {net[2] / 1e3:.4g} kN is "
+                f"{100.0 * abs(net[2]) / buoyancy:.2g} % of the buoyancy; coefficients belong to the drawing position"
+            )
+        for name, value in (("roll", roll), ("pitch", pitch)):
+            if value < 0.0:
+                warnings.append(f"negative metacentric stiffness in {name}: {value:.4g} N m/rad; it capsizes on its own")
+    return BodySheet(body.name, weight, buoyancy, attached, net[:3], net[3:], heave, roll, pitch, tuple(warnings))
+
+
+def dof_table(system: System) -> list[tuple[str, str, int, int]]:
+    """(name, kind, points, rotations) of every part, and (name, kind, constraint rows, 0) of every joint."""
+    rows = [(p.name, type(p).__name__, p.n_points, p.n_rotations) for p in system.model.parts]
+    for joint in system.model.joints:
+        points, axes = system.joint_rows[joint.label]
+        rows.append((joint.label, type(joint).__name__, 3 * len(points) + len(axes), 0))
+    return rows
+
+
+def database_findings(model: Model) -> list[tuple[str, Finding]]:
+    """What the sanity checks say of every body's hydrodynamic database."""
+    return [
+        (body.name, finding)
+        for body in model.parts
+        if isinstance(body, Body) and body.hydro is not None
+        for finding in check_database(body.hydro.data)
+    ]
+
+
+def line_notes(model: Model) -> list[str]:
+    """Per line what was resolved at build: element length, axial damping, wet weight."""
+    rho, g = model.sea.density, model.gravity
+    notes = []
+    for line in model.parts:
+        if isinstance(line, Line):
+            sec, l0 = line.section, line.length / line.elements
+            wet = (sec.mass_per_length - rho * sec.area) * g
+            notes.append(
+                f"{line.name}: {line.elements} elements of {l0:.4g} m, axial damping {sec.damping(l0):.4g} N s, weight in "
+                f"water {wet:.4g} N/m"
+            )
+    return notes

@@ -1,0 +1,229 @@
+"""The run: steps from output time to output time, cuts a step that fails and grows it back, streams results.
+
+Output stays on the asked grid: a step is the interval between outputs divided by a whole number, and a
+failed one is halved until the interval is filled in smaller steps. After four good ones it doubles
+again. A run never goes on from a step that has not converged: it ends as `failed`, with the reason.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from floatsim.errors import CaseError, SolveFailed
+from floatsim.frames import Array
+from floatsim.model import Model
+from floatsim.solve.scheme import Scheme
+from floatsim.solve.static import solve_static
+from floatsim.solve.step import Stepper
+from floatsim.study.channels import Sampler
+from floatsim.study.store import Writer
+from floatsim.system.state import State
+from floatsim.system.system import System, assemble
+
+MAX_CUTS = 12  # halvings of the asked step before a run gives up
+_CALM = 4  # good steps before a cut step is doubled again
+
+Progress = Callable[[float, int], None]
+
+
+@dataclass(frozen=True)
+class Run:
+    """How a run went and where its results are.
+
+    status: 'done' or 'failed' (then `failure` says why). state: the last good one. time (n,) [s] and
+    rows (n, width) hold the results of a run without a file; `series(name)` gives one channel of either.
+    """
+
+    status: Literal["done", "failed"]
+    failure: str
+    state: State
+    steps: int
+    cut_steps: int
+    newton_iterations: int
+    wall_time: float
+    path: Path | None
+    time: Array
+    rows: Array
+    sampler: Sampler = field(repr=False)
+
+    @property
+    def simulated_time(self) -> float:
+        """Simulated time of the results [s]."""
+        return float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
+
+    def series(self, name: str) -> Array:
+        """Channel `name`, shape (n, ...). Raises CaseError for a name that is not there."""
+        if self.path is None:
+            return self.sampler.column(self.rows, name)
+        import xarray
+
+        with xarray.open_dataset(self.path) as file:
+            if name not in file:
+                self.sampler.column(np.zeros((0, self.sampler.width)), name)
+            return np.asarray(file[name].values)
+
+    def dataset(self) -> Any:
+        """Everything as an xarray Dataset."""
+        import xarray
+
+        if self.path is not None:
+            return xarray.load_dataset(self.path)
+        return self.sampler.dataset(self.time, self.rows)
+
+
+def positive_seconds(what: str, value: Any) -> float:
+    """The value if it is a positive, finite number. Raises CaseError naming it."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.floating | np.integer):
+        raise CaseError(f"{what} is {value!r}; a positive number of seconds is allowed")
+    if not (math.isfinite(value) and value > 0.0):
+        raise CaseError(f"{what} is {value!r} s; it must be positive")
+    return float(value)
+
+
+def simulate(
+    model: Model | System,
+    duration: float,
+    dt: float = 0.1,
+    *,
+    output: str | Path | None = None,
+    interval: float | None = None,
+    channels: str | Sequence[str] = "all",
+    precision: Literal["float64", "float32"] = "float64",
+    scheme: Scheme | None = None,
+    tolerance: float = 1e-6,
+    state: State | None = None,
+    attributes: Mapping[str, str | int | float] | None = None,
+    progress: Progress | None = None,
+) -> Run:
+    """Integrate from the static equilibrium, or from `state`, for `duration` [s].
+
+    dt [s]: largest step; it is made a whole fraction of `interval`, the time between outputs (default: dt).
+    output: netCDF file to stream to; without one the results stay in memory. channels, precision: what is kept and
+    how. progress(t, newton_iterations) is called about ten times a second.
+
+    Raises CaseError for bad input (before anything is written) and SolveFailed if there is no equilibrium to start
+    from. A run that cannot go on returns with status 'failed'.
+    """
+    duration, dt = positive_seconds("duration", duration), positive_seconds("dt", dt)
+    interval = dt if interval is None else positive_seconds("interval", interval)
+    if interval > duration * (1.0 + 1e-9):
+        raise CaseError(f"interval is {interval:g} s, longer than the duration of {duration:g} s: nothing would be kept")
+    system = model if isinstance(model, System) else assemble(model)
+    stepper = Stepper(system, scheme, tolerance)
+    sampler = Sampler(system, channels)
+    if state is None:
+        now, _ = solve_static(system)
+    else:
+        now = state.copy()
+    per_output = max(1, math.ceil(interval / dt * (1.0 - 1e-9)))
+    outputs = int(math.floor(duration / interval * (1.0 + 1e-9)))
+    h = interval / per_output
+    if now.step == 0.0:
+        stepper.start(now, h)
+    case: dict[str, str | int | float] = {
+        **(attributes or {}), "scheme": stepper.scheme.name, "step": h, "output_interval": interval, "duration": duration,
+    }  # fmt: skip
+    store = _Memory(sampler.width, outputs + 1) if output is None else Writer(
+        output, sampler.channels, sampler.coordinates, case, precision, samples=outputs + 1
+    )  # fmt: skip
+    loop = _Loop(stepper, now, h)
+    began = clock.perf_counter()
+    shown = began
+    failure = ""
+    try:
+        store.append(now.t, sampler.sample(stepper.work, now, 0, 0.0))
+        t0 = now.t
+        for k in range(1, outputs + 1):
+            failure = loop.advance(per_output, t0 + (k - 1) * interval)
+            if failure:
+                break
+            now.t = t0 + k * interval
+            store.append(now.t, sampler.sample(stepper.work, now, loop.iterations_of_last, loop.last_step))
+            if progress is not None and clock.perf_counter() - shown > 0.1:
+                shown = clock.perf_counter()
+                progress(now.t - t0, loop.iterations)
+        store.close("failed" if failure else "done", failure)
+    except BaseException as error:
+        store.close("failed", f"{type(error).__name__}: {error}")
+        raise
+    wall = clock.perf_counter() - began
+    in_memory = isinstance(store, _Memory)
+    return Run(
+        "failed" if failure else "done", failure, now, loop.steps, loop.cuts, loop.iterations, wall,
+        None if in_memory else Path(store.path), store.times[: store.count] if in_memory else np.arange(
+            loop.outputs + 1) * interval + t0,
+        store.rows[: store.count] if in_memory else np.zeros((0, sampler.width)), sampler,
+    )  # fmt: skip
+
+
+class _Memory:
+    """Results in memory, with the face of a Writer."""
+
+    def __init__(self, width: int, n: int) -> None:
+        self.times, self.rows, self.count = np.zeros(n), np.zeros((n, width)), 0
+
+    def append(self, time: float, values: Array) -> None:
+        self.times[self.count], self.rows[self.count] = time, values
+        self.count += 1
+
+    def close(self, status: str, failure: str = "") -> None:
+        """Nothing to close."""
+
+
+class _Loop:
+    """Steps with cutting and growing back."""
+
+    def __init__(self, stepper: Stepper, state: State, h: float) -> None:
+        self.stepper, self.state, self.h = stepper, state, h
+        self.level = 0  # the step is h / 2^level
+        self.calm = 0
+        self.steps = self.cuts = self.iterations = self.outputs = 0
+        self.iterations_of_last = 0
+        self.last_step = h
+
+    def advance(self, count: int, t: float) -> str:
+        """`count` steps of h from time t; the reason if it fails, else ''."""
+        self.iterations_of_last = 0
+        for k in range(count):
+            reason = self._fill()
+            if reason:
+                return f"at t = {self.state.t:.6g} s: {reason}"
+            self.state.t = t + (k + 1) * self.h
+        self.outputs += 1
+        return ""
+
+    def _fill(self) -> str:
+        """One step of h, in pieces if need be."""
+        done = 0  # pieces of h / 2^level
+        while done < 2**self.level:
+            report = self.stepper.step(self.state, self.h / 2**self.level)
+            self.iterations += report.iterations
+            self.iterations_of_last += report.iterations
+            self.last_step = report.step
+            if report.converged:
+                self.steps += 1
+                self.calm += 1
+                done += 1
+                while self.level and self.calm >= _CALM and done % 2 == 0:
+                    self.level, done, self.calm = self.level - 1, done // 2, 0
+            else:
+                self.cuts += 1
+                self.calm = 0
+                if self.level == MAX_CUTS:
+                    return f"a step of {self.h / 2**self.level:.3g} s still fails: {report.reason}"
+                self.level, done = self.level + 1, 2 * done
+        return ""
+
+
+def run_or_raise(run: Run) -> Run:
+    """The run if it is done. Raises SolveFailed with its reason and last good state otherwise."""
+    if run.status == "failed":
+        raise SolveFailed(run.failure, run, run.state)
+    return run

@@ -1,0 +1,261 @@
+"""The netCDF store: one file per run, written while it runs, readable at any moment.
+
+Samples gather in memory and go to the file every 256 samples or 5 s of wall clock, whichever comes first: a chunk's
+data, then its `time`, then `sync()`. A reader therefore never sees a time without its data, and a process that is
+killed leaves a file with everything up to the last chunk and `status` = running. HDF5 file locking is off for the
+writer, so that plain `xarray.open_dataset` works meanwhile.
+
+Attributes follow the CF conventions 1.8 (`units`, `long_name`, `coordinates`); a variable whose entries along `dof`
+have different units says `units` = mixed and lists them in `units_dof`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import re
+import shutil
+import time as clock
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from floatsim.errors import CaseError
+from floatsim.frames import Array
+
+SAMPLES = 256  # a chunk is written after so many samples
+SECONDS = 5.0  # or so much wall clock
+_SMALL = 65536  # bytes; variables with less in 256 samples get chunks of 1024
+_NAME = re.compile(r"[a-z0-9_]+")
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """Values along one dimension: an index coordinate if name equals dim, else an auxiliary one.
+
+    values: numbers or labels, (n,). They also give the dimension its size.
+    """
+
+    name: str
+    long_name: str
+    units: str
+    dim: str
+    values: Sequence[Any] | Array
+
+
+@dataclass(frozen=True)
+class Channel:
+    """An output variable with dimensions (time, *dims). dtype: 'float' takes the file's precision, or 'int32'.
+
+    units_dof: units along `dof` where they differ; units is then 'mixed'.
+    """
+
+    name: str
+    long_name: str
+    units: str
+    dims: tuple[str, ...] = ()
+    dtype: Literal["float", "int32"] = "float"
+    units_dof: str = ""
+
+
+class Writer:
+    """Streams samples to a netCDF file. Use it as a context manager: an exception closes the file as failed.
+
+    path: an existing file is replaced. channels: what each sample holds. coordinates: at least one for every dimension
+    that channels use. attributes: global ones (text and numbers). precision: of the 'float' channels; time is always
+    float64. samples: how many will come, if known: room on the disk is then checked first. `width` is the number of
+    values in a sample.
+
+    Raises CaseError, naming the path, if the file cannot be written; nothing is left behind then.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        channels: Sequence[Channel],
+        coordinates: Sequence[Coordinate] = (),
+        attributes: Mapping[str, str | int | float] | None = None,
+        precision: Literal["float64", "float32"] = "float64",
+        samples: int | None = None,
+    ) -> None:
+        self.path = Path(path)
+        self.channels = tuple(channels)
+        sizes = _checked_sizes(self.channels, coordinates, precision)
+        shapes = [tuple(sizes[d] for d in c.dims) for c in self.channels]
+        ends = np.cumsum([0, *(math.prod(s) for s in shapes)])
+        self.width = int(ends[-1])
+        _check_path(self.path, None if samples is None else samples * (8 + self.width * np.dtype(precision).itemsize))
+        self._shapes = shapes
+        self._columns = [slice(int(a), int(b)) for a, b in zip(ends, ends[1:])]
+        self._rows = np.zeros((SAMPLES, self.width))
+        self._times = np.zeros(SAMPLES)
+        self._held = 0  # samples in memory
+        self._written = 0  # samples in the file
+        self._due = clock.monotonic() + SECONDS
+        self._create(sizes, coordinates, dict(attributes or {}), precision)
+
+    # -- the file -----------------------------------------------------------------------------
+
+    def _create(
+        self, sizes: dict[str, int], coordinates: Sequence[Coordinate], attributes: dict[str, Any], precision: str
+    ) -> None:
+        os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")  # read when the library comes up
+        import netCDF4
+
+        with self._naming_path("cannot be written"):
+            self._file: Any = netCDF4.Dataset(str(self.path), "w", format="NETCDF4")
+        try:
+            with self._naming_path("cannot be written"):
+                self._file.setncatts({"Conventions": "CF-1.8", **attributes, "status": "running", "failure": ""})
+                self._define(sizes, coordinates, precision)
+                self._file.sync()
+        except CaseError:
+            with contextlib.suppress(OSError, RuntimeError):
+                self._file.close()
+            self.path.unlink(missing_ok=True)
+            raise
+
+    def _define(self, sizes: dict[str, int], coordinates: Sequence[Coordinate], precision: str) -> None:
+        file = self._file
+        file.createDimension("time", None)
+        for name, size in sizes.items():
+            file.createDimension(name, size)
+        self._time = self._variable("time", "f8", ("time",), (1024,))
+        self._time.setncatts({"long_name": "simulated time", "units": "s"})
+        for item in coordinates:
+            values = np.asarray(item.values)
+            kind: Any = values.dtype if values.dtype.kind in "fiu" else str
+            variable = file.createVariable(item.name, kind, (item.dim,))
+            variable.setncatts({"long_name": item.long_name, "units": item.units})
+            variable[:] = values if kind is not str else values.astype(object)
+        auxiliary = {item.dim: item.name for item in coordinates if item.name != item.dim}
+        self._variables = []
+        for channel, shape in zip(self.channels, self._shapes):
+            kind = channel.dtype if channel.dtype != "float" else precision
+            size = math.prod(shape) * np.dtype(kind).itemsize
+            steps = 1024 if SAMPLES * size < _SMALL else SAMPLES
+            variable = self._variable(channel.name, kind, ("time", *channel.dims), (steps, *shape))
+            described = {"long_name": channel.long_name, "units": channel.units}
+            if channel.units_dof:
+                described["units_dof"] = channel.units_dof
+            beside = [auxiliary[d] for d in channel.dims if d in auxiliary]
+            if beside:
+                described["coordinates"] = " ".join(beside)
+            variable.setncatts(described)
+            self._variables.append(variable)
+
+    def _variable(self, name: str, kind: str, dims: tuple[str, ...], chunks: tuple[int, ...]) -> Any:
+        variable = self._file.createVariable(name, kind, dims, chunksizes=chunks)
+        # the library's own cache, tens of megabytes a variable, would grow with the length of the run
+        size = math.prod(chunks) * np.dtype(kind).itemsize
+        variable.set_var_chunk_cache(size=2 * size + 1, nelems=11, preemption=1.0)
+        return variable
+
+    @contextlib.contextmanager
+    def _naming_path(self, what: str) -> Iterator[None]:
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            raise CaseError(f"output file '{self.path}' {what}: {error}; choose a writable place with room") from None
+
+    # -- samples ------------------------------------------------------------------------------
+
+    def append(self, time: float, values: ArrayLike) -> None:
+        """One sample at `time` [s]. values (width,): all channels one after the other, each in C order.
+
+        Raises CaseError, naming the path, if a chunk that is due cannot be written.
+        """
+        k = self._held
+        self._times[k] = time
+        self._rows[k] = values
+        self._held = k + 1
+        if k + 1 == SAMPLES or clock.monotonic() >= self._due:
+            self.flush()
+
+    def flush(self) -> None:
+        """Bring all samples to the file, so that readers see them."""
+        n, start = self._held, self._written
+        if n:
+            with self._naming_path(f"could not be continued after {start} samples"):
+                for variable, columns, shape in zip(self._variables, self._columns, self._shapes):
+                    variable[start : start + n] = self._rows[:n, columns].reshape(n, *shape)
+                self._time[start : start + n] = self._times[:n]
+                self._file.sync()
+            self._held, self._written = 0, start + n
+        self._due = clock.monotonic() + SECONDS
+
+    def set_attributes(self, **attributes: str | int | float) -> None:
+        """Add or change global attributes of the open file."""
+        with self._naming_path("could not be continued"):
+            self._file.setncatts(attributes)
+
+    def close(self, status: Literal["done", "failed"], failure: str = "") -> None:
+        """Write what is left, state how the run ended and close. Does nothing on a closed file."""
+        if not self._file.isopen():
+            return
+        try:
+            self.flush()
+            with self._naming_path("could not be finished"):
+                self._file.setncatts({"status": status, "failure": failure})
+        finally:
+            with self._naming_path("could not be finished"):
+                self._file.close()
+
+    def __enter__(self) -> Writer:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if error is None:
+            self.close("done")
+        else:
+            with contextlib.suppress(CaseError):  # the first error is the one to tell
+                self.close("failed", f"{type(error).__name__}: {error}")
+
+
+def _checked_sizes(channels: Sequence[Channel], coordinates: Sequence[Coordinate], precision: str) -> dict[str, int]:
+    """Dimension sizes. CaseError with all problems of names, dimensions and precision."""
+    sizes: dict[str, int] = {}
+    problems = []
+    if precision not in ("float64", "float32"):
+        problems.append(f"precision: got {precision!r}; 'float64' or 'float32' is allowed")
+    for item in coordinates:
+        size = len(np.asarray(item.values))
+        if sizes.setdefault(item.dim, size) != size:
+            problems.append(f"output '{item.name}' has {size} values, dimension '{item.dim}' has {sizes[item.dim]}")
+    names = ["time", *(item.name for item in coordinates), *(c.name for c in channels)]
+    for name in sorted({n for n in names if names.count(n) > 1}):
+        problems.append(f"output '{name}' exists {names.count(name)} times; rename a part or a joint")
+    for name in dict.fromkeys([*names, *sizes]):
+        if not _NAME.fullmatch(name):
+            problems.append(f"output '{name}': lower-case letters, digits and underscores are allowed")
+    for channel in channels:
+        for dim in channel.dims:
+            if dim not in sizes:
+                problems.append(f"output '{channel.name}': dimension '{dim}' has no coordinate")
+    if problems:
+        raise CaseError(problems)
+    return sizes
+
+
+def _check_path(path: Path, size: int | None) -> None:
+    folder = path.parent
+    if not folder.is_dir():
+        raise CaseError(f"output file '{path}': there is no folder '{folder}'; make it or choose another place")
+    if path.is_dir():
+        raise CaseError(f"output file '{path}' is a folder; give a file name")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise CaseError(f"output file '{path}' cannot be written: no permission; choose another place")
+    free = shutil.disk_usage(folder).free
+    if size is not None and size > free:
+        raise CaseError(
+            f"output file '{path}' would take {size / 1e6:.0f} MB, there is room for {free / 1e6:.0f} MB; "
+            "choose fewer channels, a longer interval, float32 or another place"
+        )
