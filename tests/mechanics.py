@@ -71,7 +71,7 @@ def natural_frequencies(system: fs.System, state: fs.State) -> np.ndarray:
 
 def run(
     system: fs.System, state: fs.State, scheme: fs.Scheme, h: float, steps: int,
-    watch: Callable[[fs.State], Any] | None = None, tolerance: float = 1e-11, start: bool = True,
+    watch: Callable[[fs.State], Any] | None = None, tolerance: float = 1e-10, start: bool = True,
 ) -> list[Any]:  # fmt: skip
     """Step `state` in place from consistent accelerations; what `watch` sees at the start and after each step."""
     stepper = fs.Stepper(system, scheme, tolerance)

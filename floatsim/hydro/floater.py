@@ -24,7 +24,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from floatsim.description import Description, Finite, Matrix6, NonNegative, Positive
+from floatsim.description import Description, Matrix6, Positive
 from floatsim.errors import ModelError
 from floatsim.frames import Array, rotation_vector, turn_quaternion, turn_rate, unit
 from floatsim.hydro.database import HydroDatabase, require_match

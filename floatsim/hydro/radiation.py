@@ -281,6 +281,10 @@ class RadiationHistory:
         other.restore({"ring": self.ring, "last": self.last})
         return other
 
+    def __deepcopy__(self, memo: object) -> RadiationHistory:
+        """As `copy`: copying attribute by attribute would part the ring from its flat view."""
+        return self.copy()
+
 
 @kernel
 def _near_value(near, grid, lag, i, j):  # type: ignore[no-untyped-def]

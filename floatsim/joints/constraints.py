@@ -14,12 +14,13 @@ Mechanical Systems (1989), chapter 9: dot-1 and spherical constraints.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, unit, vec
+from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, unit, vec
 from floatsim.jit import kernel
 
 
@@ -66,9 +67,9 @@ def coincide(x, R, c, where, arms, lam, first, slots, K, A, r, s):  # type: igno
         size = abs(f[0]) + abs(f[1]) + abs(f[2])
         s[pa] += size
         s[pb] += size
+        s[x.shape[0] + ra] += size * math.sqrt(dot(aa, aa))
+        s[x.shape[0] + rb] += size * math.sqrt(dot(ab, ab))
         for m in range(3):
-            s[x.shape[0] + ra] += abs(ma[m])
-            s[x.shape[0] + rb] += abs(mb[m])
             r[3 * pa + m] += f[m]
             r[base + 3 * ra + m] += ma[m]
             r[3 * pb + m] -= f[m]

@@ -30,7 +30,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import model_validator
 
-from floatsim.description import Description, Finite, Name, NonNegative, Positive, PositiveInt, Vector3
+from floatsim.description import Description, Name, NonNegative, Positive, PositiveInt, Vector3
 from floatsim.frames import Array, at, cross, dot, minus, plus, times, vec
 from floatsim.jit import kernel
 from floatsim.laws.angle import half_angle_squared

@@ -22,7 +22,7 @@ def write_state(system: System, state: State, path: str | Path, attributes: Mapp
     """One state as a result file with a single sample. Raises CaseError if it cannot be written."""
     sampler = Sampler(system, "all")
     with Writer(path, sampler.channels, sampler.coordinates, attributes, samples=1) as file:
-        file.append(state.t, sampler.sample(system.work(), state, 0, 0.0))
+        file.append(state.t, sampler.sample_state(state))
 
 
 def static_tables(system: System, state: State) -> list[Table]:
@@ -39,7 +39,7 @@ def static_tables(system: System, state: State) -> list[Table]:
         tables.append(("displacement from the drawing position", columns, rows))
     if lines:
         sampler = Sampler(system, "all")
-        row = sampler.sample(system.work(), state, 0, 0.0)[None]
+        row = sampler.sample_state(state)[None]
         rows = []
         for line in lines:
             ends = [sampler.column(row, f"{line.name}_end_{e}_force")[0] / 1e3 for e in "ab"]
@@ -55,7 +55,7 @@ def decay_tables(result: DecayTest) -> list[Table]:
     """Extrema, cycles and the fit of a decay test."""
     fit = result.fit
     unit = "m" if result.dof in DOFS[:3] else "deg"
-    extrema = [[f"{t:.2f}", f"{x:+.4f}"] for t, x in zip(fit.times, fit.extrema)]
+    extrema = [[f"{t:.2f}", f"{x:+.4f}"] for t, x in zip(fit.time, fit.value)]
     cycles = [[str(k + 1), f"{period:.3f}"] for k, period in enumerate(fit.periods)]
     summary = [["mean period of the first three cycles", f"{fit.period:.3f} s"]]
     if result.expected_period is not None:
@@ -64,8 +64,8 @@ def decay_tables(result: DecayTest) -> list[Table]:
         summary.append(["first cycle against it", f"{off:+.2f} %"])
     low, high = fit.amplitudes
     summary += [
-        ["linear damping ratio", f"{100.0 * fit.linear:.3f} %"],
-        ["quadratic damping, b of b |x'| x'", f"{fit.quadratic:.5g} 1/{unit}"],
+        ["linear damping ratio", f"{100.0 * fit.damping_ratio:.3f} %"],
+        ["quadratic damping, b of b |x'| x'", "" if fit.quadratic_damping is None else f"{fit.quadratic_damping:.5g} 1/{unit}"],
         ["fitted over amplitudes", f"{low:.3g} to {high:.3g} {unit}"],
     ]
     title = f"{result.dof} decay of '{result.body}' from {result.offset:g} {unit} about {result.equilibrium:.4f} {unit}"

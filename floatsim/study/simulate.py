@@ -138,14 +138,14 @@ def simulate(
     shown = began
     failure = ""
     try:
-        store.append(now.t, sampler.sample(stepper.work, now, 0, 0.0))
+        store.append(now.t, sampler.sample_state(now))
         t0 = now.t
         for k in range(1, outputs + 1):
             failure = loop.advance(per_output, t0 + (k - 1) * interval)
             if failure:
                 break
             now.t = t0 + k * interval
-            store.append(now.t, sampler.sample(stepper.work, now, loop.iterations_of_last, loop.last_step))
+            store.append(now.t, sampler.sample(stepper.work, loop.iterations_of_last, loop.last_step))
             if progress is not None and clock.perf_counter() - shown > 0.1:
                 shown = clock.perf_counter()
                 progress(now.t - t0, loop.iterations)

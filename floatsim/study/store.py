@@ -24,13 +24,13 @@ from types import TracebackType
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from floatsim.errors import CaseError
-from floatsim.frames import Array
 
 SAMPLES = 256  # a chunk is written after so many samples
 SECONDS = 5.0  # or so much wall clock
+TIME_ATTRIBUTES = {"long_name": "simulated time", "units": "s"}
 _SMALL = 65536  # bytes; variables with less in 256 samples get chunks of 1024
 _NAME = re.compile(r"[a-z0-9_]+")
 
@@ -46,7 +46,12 @@ class Coordinate:
     long_name: str
     units: str
     dim: str
-    values: Sequence[Any] | Array
+    values: Sequence[Any] | NDArray[Any]
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """The variable's attributes."""
+        return {"long_name": self.long_name, "units": self.units}
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,12 @@ class Channel:
     dims: tuple[str, ...] = ()
     dtype: Literal["float", "int32"] = "float"
     units_dof: str = ""
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """The variable's attributes."""
+        own = {"long_name": self.long_name, "units": self.units}
+        return {**own, "units_dof": self.units_dof} if self.units_dof else own
 
 
 class Writer:
@@ -127,31 +138,28 @@ class Writer:
         for name, size in sizes.items():
             file.createDimension(name, size)
         self._time = self._variable("time", "f8", ("time",), (1024,))
-        self._time.setncatts({"long_name": "simulated time", "units": "s"})
+        self._time.setncatts(TIME_ATTRIBUTES)
         for item in coordinates:
             values = np.asarray(item.values)
             kind: Any = values.dtype if values.dtype.kind in "fiu" else str
             variable = file.createVariable(item.name, kind, (item.dim,))
-            variable.setncatts({"long_name": item.long_name, "units": item.units})
+            variable.setncatts(item.attributes)
             variable[:] = values if kind is not str else values.astype(object)
-        auxiliary = {item.dim: item.name for item in coordinates if item.name != item.dim}
         self._variables = []
         for channel, shape in zip(self.channels, self._shapes):
             kind = channel.dtype if channel.dtype != "float" else precision
             size = math.prod(shape) * np.dtype(kind).itemsize
             steps = 1024 if SAMPLES * size < _SMALL else SAMPLES
             variable = self._variable(channel.name, kind, ("time", *channel.dims), (steps, *shape))
-            described = {"long_name": channel.long_name, "units": channel.units}
-            if channel.units_dof:
-                described["units_dof"] = channel.units_dof
-            beside = [auxiliary[d] for d in channel.dims if d in auxiliary]
+            variable.setncatts(channel.attributes)
+            beside = [c.name for d in channel.dims for c in coordinates if c.dim == d != c.name]
             if beside:
-                described["coordinates"] = " ".join(beside)
-            variable.setncatts(described)
+                variable.setncattr("coordinates", " ".join(beside))
             self._variables.append(variable)
 
     def _variable(self, name: str, kind: str, dims: tuple[str, ...], chunks: tuple[int, ...]) -> Any:
-        variable = self._file.createVariable(name, kind, dims, chunksizes=chunks)
+        fill = np.nan if kind != "int32" and name != "time" else None  # a chunk cut off by a kill reads as missing
+        variable = self._file.createVariable(name, kind, dims, chunksizes=chunks, fill_value=fill)
         # the library's own cache, tens of megabytes a variable, would grow with the length of the run
         size = math.prod(chunks) * np.dtype(kind).itemsize
         variable.set_var_chunk_cache(size=2 * size + 1, nelems=11, preemption=1.0)

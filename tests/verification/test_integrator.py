@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from closed_forms import physical_pendulum
-from mechanics import DRY, end_force, observed_order, run
+from mechanics import DRY, end_force, natural_frequencies, observed_order, run
 from scipy.integrate import solve_ivp
 
 import floatsim as fs
@@ -60,8 +60,6 @@ def test_order_on_a_pendulum(scheme, record):
             errors[name].append(last_half_errors(seen[:, 3 * k : 3 * k + 3], exact[k]))
     print(scheme, errors)
     for name, e in errors.items():
-        if first and name != "position":
-            continue
         bar = (0.9, 1.1) if first else (1.9, 2.1)
         record("order of the integrator", f"pendulum, {name}, {scheme}", observed_order(e), bar)
 
@@ -111,7 +109,7 @@ def test_order_on_a_stretching_pendulum(scheme, record):
 def test_order_on_a_swinging_cable(scheme, record):
     """Ten elements released straight and oblique, against the same scheme at a sixteenth of the finest step."""
     cable = fs.Section(name="rope", mass_per_length=5.0, diameter=0.02, EA=1e4, axial_damping=200.0, EI=20.0)
-    rope = fs.Line(name="rope", section=cable, length=10.0, elements=10, end_b_position=(6.0, 3.0, 42.5))
+    rope = fs.Line(name="rope", section=cable, length=10.0, elements=10, end_b_position=(6.0, 3.0, 42.6))
     model = fs.Model(parts=[rope], joints=[fs.Ball(a="rope.end_a", b=(0, 0, 50), name="top")], sea=DRY, gravity=G)
     system = fs.assemble(model)
     duration, base = 2.0, 200
@@ -151,7 +149,7 @@ def test_heavy_top(record):
                     t_eval=np.linspace(0.0, 1.0, 101))  # fmt: skip
     exact = np.array([y[3:].reshape(3, 3) @ r - r for y in sol.y.T])
     published = np.array([0.17334404, -0.35991130, -0.74849068])
-    record("heavy top", "own reference against the published one", np.abs(exact[-1] - published).max(), 1e-7, "m")
+    record("heavy top", "own reference against the published one", np.abs(exact[-1] - published).max(), 1e-6, "m")
     errors = []
     top = fs.Body(name="top", mass=m, inertia=tuple(J), position=(0, 1, 50), points={"tip": (0.0, -1.0, 0.0)})
     system = fs.assemble(fs.Model(parts=[top], joints=[fs.Ball(a="top.tip", b=(0, 0, 50))], sea=DRY, gravity=g))
@@ -187,7 +185,27 @@ def test_change_of_step_keeps_the_order(record):
     print(errors)
     for k, name in enumerate(("position", "velocity", "multipliers")):
         order = observed_order([e[k] for e in errors])
-        record("order of the integrator", f"pendulum, steps alternating h and h/2, {name}", order, (1.8, 2.3))
+        record("order of the integrator", f"pendulum, steps alternating h and h/2, {name}", order, (1.9, 2.1))
+
+
+def test_start_in_motion_keeps_the_order(record):
+    """Multipliers from the first step on: without the start's share of the velocity they err by O(h)."""
+    errors = []
+    for n in (50, 100, 200):
+        system = pendulum()
+        state = system.initial_state()
+        state.v[6:9] = (0.0, 3.0, 0.0)
+        state.v[:3] = np.cross(state.v[6:9], state.x[0] - [0.0, 0.0, 10.0])
+        seen = np.array(run(system, state, fs.generalised_alpha(0.6), 0.2 / n, n, lambda s: s.lam.copy()))
+        k = 2.0 * G / 2.6
+        sol = solve_ivp(lambda t, y: (y[1], -2.0 * G / 2.6 * np.sin(y[0])), (0.0, 0.2), (1.0, 3.0), method="DOP853",
+                        rtol=1e-12, atol=1e-12, t_eval=np.linspace(0.0, 0.2, n + 1))  # fmt: skip
+        theta, rate = sol.y
+        c, s, acc = np.cos(theta), np.sin(theta), -k * np.sin(theta)
+        exact = -2.0 * np.stack([-(c * acc - s * rate**2), 0 * s, s * acc + c * rate**2 + G], axis=1)
+        errors.append(np.abs(seen - exact).max() / np.abs(exact).max())
+    print(errors)
+    record("order of the integrator", "pendulum started in motion, multipliers from the first step", observed_order(errors), (1.9, 2.1))
 
 
 # --- energy ----------------------------------------------------------------------------------------------------
@@ -267,14 +285,19 @@ def test_energy_of_a_free_body(record):
 
     seen = run(system, state, fs.newmark(), period / 100, 100_000, watch, tolerance=1e-10)
     check_energy(record, "free rigid body", seen, L0 @ L0 / (2 * J.max()))
-    error = np.linalg.norm(momentum, axis=1).max() / np.linalg.norm(L0)
+    error = np.linalg.norm(momentum, axis=1).max() / np.linalg.norm(L0)  # of second order: (2 pi/100)^2
     check = "energy without multipliers, newmark(1/4, 1/2), 1000 periods at T/100"
-    record(check, "free rigid body: angular momentum, largest deviation", error, 1e-3)
+    record(check, "free rigid body: angular momentum, largest deviation", error, 4e-3)
 
 
 @pytest.mark.slow
 def test_energy_of_a_cable(record):
-    """Eight elements with shared nodes, hung by a spring, swinging from 0.5 rad."""
+    """Eight elements with shared nodes, hung by a spring, swinging from 0.5 rad; T is the shortest period.
+
+    At T/100 of the first *swing* the axial waves are not resolved (omega h = 2.2), and the trapezoidal rule
+    keeps the energy of unresolved nonlinear oscillations only within tens of per cent: it conserves quadratic
+    energies (Simo & Tarnow 1992, ZAMP 43). That is a property of the scheme, not of the elements.
+    """
     sec = fs.Section(name="rope", mass_per_length=2.0, diameter=0.02, EA=500.0)
     low = (4 * np.sin(0.5), 0.0, 49 - 4 * np.cos(0.5))
     rope = fs.Line(name="rope", section=sec, length=4.0, elements=8, end_a_position=(0, 0, 49), end_b_position=low, taut=True)
@@ -287,7 +310,7 @@ def test_energy_of_a_cable(record):
 
     rest, _ = fs.solve_static(system)
     lowest = energy(rest)
-    period = 2 * np.pi * np.sqrt(4.5 / G) / 1.2  # first swing, about: j01/2 sqrt(g/L)
+    period = 2 * np.pi / natural_frequencies(system, rest)[-1]
     seen = run(system, system.initial_state(), fs.newmark(), period / 100, 100_000, energy, tolerance=1e-10)
     check_energy(record, "cable with shared nodes", seen, lowest)
 
