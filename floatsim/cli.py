@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -40,23 +41,34 @@ def _table(title: str, columns: list[str], rows: list[list[str]]) -> Any:
     return table
 
 
-def _load(script: str, parameters: list[str]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
-    """(system, parameters, attributes for the output file)."""
+def _load(script: str, parameters: list[str], **case: Any) -> tuple[Any, dict[str, Any]]:
+    """(system, attributes for the output file); warnings go to stderr. case: what else a result depends on."""
     from floatsim.jit import cache_is_cold
     from floatsim.study.script import input_hash, load_model, parse_parameters
+    from floatsim.study.sheet import cautions
 
     values = parse_parameters(parameters)
     model = load_model(script, values)
     if cache_is_cold():
         typer.echo("floatsim: compiling its kernels, once for this version on this machine (up to a minute) ...", err=True)
     system = floatsim.assemble(model)
+    for line in cautions(system):
+        typer.echo(f"warning: {line}", err=True)
     attributes = {
         "model_script": Path(script).name,
         "model_parameters": repr(values),
         "floatsim_version": floatsim.__version__,
-        "input_hash": input_hash(script, values, {}),
+        "input_hash": input_hash(script, values, case, model),
     }
-    return system, values, attributes
+    return system, attributes
+
+
+def _writable(output: str | None) -> None:
+    """An output file that cannot be written is said before anything is computed."""
+    if output is not None:
+        from floatsim.study.store import check_path
+
+        check_path(output)
 
 
 class _Bar:
@@ -80,7 +92,8 @@ class _Bar:
 
         def show(t: float, iterations: int) -> None:
             factor = t / max(time.perf_counter() - began, 1e-9)
-            note = f"{t:.1f} of {self.duration:g} s, {factor:.0f} x real time, {iterations} Newton iterations"
+            whole = f" of {self.duration:g}" if self.duration > 0.0 else ""
+            note = f"{t:.1f}{whole} s, {factor:.0f} x real time, {iterations} Newton iterations"
             self.bar.update(task, completed=t, note=note)
 
         return show
@@ -95,12 +108,25 @@ def _stderr() -> Any:
     return Console(stderr=True)
 
 
+def _version(value: bool) -> None:
+    if value:
+        typer.echo(f"floatsim {floatsim.__version__}")
+        raise typer.Exit()
+
+
+@app.callback()
+def common(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Version, and exit.")] = False,
+) -> None:
+    """Dynamics of floating wind turbines, wave-energy converters and their moorings and power cables."""
+
+
 @app.command()
 def check(script: Script, p: Parameters = []) -> None:  # noqa: B006
     """Problems, equilibrium sheet, hydrodynamic checks and the table of unknowns."""
     from floatsim.study.sheet import body_sheets, database_findings, dof_table, line_notes
 
-    system, _, _ = _load(script, p)
+    system, _ = _load(script, p)
     model, console = system.model, _console()
     console.print(f"model '{model.name}': no problems in {len(model.parts)} parts and {len(model.joints)} joints")
     for sheet in body_sheets(system):
@@ -118,8 +144,6 @@ def check(script: Script, p: Parameters = []) -> None:  # noqa: B006
                 f"expected heave {sheet.heave:+.3f} m (draught {-sheet.heave:+.3f} m); stiffness with weight: roll "
                 f"{sheet.stiffness_roll:.4g}, pitch {sheet.stiffness_pitch:.4g} N m/rad"
             )
-        for warning in sheet.warnings:
-            typer.echo(f"warning: body '{sheet.name}' {warning}", err=True)
     findings = database_findings(model)
     if findings:
         rows = [[f"{body}: {f.quantity}", f.severity, f.message] for body, f in findings]
@@ -140,7 +164,8 @@ def static(
     """Static equilibrium: positions, end forces, unbalanced forces."""
     from floatsim.study.report import static_tables, write_state
 
-    system, _, attributes = _load(script, p)
+    _writable(output)
+    system, attributes = _load(script, p, command="static")
     state, report = floatsim.solve_static(system)
     if output is not None:
         write_state(system, state, output, attributes)
@@ -158,7 +183,7 @@ def modes(
     script: Script, p: Parameters = [], count: Annotated[int, typer.Option(help="How many, slowest first.")] = 12  # noqa: B006
 ) -> None:
     """Natural periods, radiation damping and shapes of the moored system about its equilibrium."""
-    system, _, _ = _load(script, p)
+    system, _ = _load(script, p)
     found = floatsim.natural_modes(system, count=count)
     rows = [[mode.label, f"{mode.period:.3f}", f"{100.0 * mode.damping_ratio:.3f}"] for mode in found]
     _console().print(_table("natural modes", ["shape (share of kinetic energy)", "period [s]", "damping [%]"], rows))
@@ -168,18 +193,24 @@ def modes(
 def decay(
     script: Script,
     dof: Annotated[str, typer.Option(help="surge, sway, heave, roll, pitch or yaw.")],
-    offset: Annotated[float, typer.Option(help="Metres for surge, sway, heave; DEGREES for roll, pitch, yaw.")],
+    offset: Annotated[float, typer.Option(help="From equilibrium: METRES for surge, sway, heave; DEGREES for roll, pitch, yaw.")],
     p: Parameters = [],  # noqa: B006
     output: Annotated[str | None, typer.Option("-o", help=OUTPUT_HELP)] = None,
     body: Annotated[str | None, typer.Option(help="Body to release, if there are several.")] = None,
-    release: Annotated[str, typer.Option(help="'equilibrium' plus offset, or 'absolute' drawing position plus it.")] = "equilibrium",
+    release: Annotated[str, typer.Option(help="'equilibrium' plus the offset, or 'absolute': drawing position plus it.")] = "equilibrium",
     duration: Annotated[float | None, typer.Option(help="Seconds; default eight natural periods.")] = None,
-    dt: Annotated[float, typer.Option(help="Time step [s].")] = 0.1,
+    dt: Annotated[float, typer.Option(help="Time step, seconds.")] = 0.1,
 ) -> None:
-    """Decay test: natural period, linear and quadratic damping."""
+    """Decay test: natural period, linear and quadratic damping.
+
+    The body is released at rest from its equilibrium plus OFFSET in one degree of freedom, everything else in static
+    equilibrium with it. OFFSET is in metres for surge, sway, heave and in degrees for roll, pitch, yaw.
+    """
     from floatsim.study.report import decay_tables
 
-    system, _, attributes = _load(script, p)
+    _writable(output)
+    system, attributes = _load(script, p, command="decay", dof=dof, offset=offset, body=body, release=release,
+                               duration=duration, dt=dt)  # fmt: skip
     with _Bar(duration or 0.0) as show:
         result = floatsim.decay_test(
             system, dof, offset, body=body, release=release, duration=duration, dt=dt, output=output,  # type: ignore[arg-type]
@@ -197,13 +228,14 @@ def run(
     duration: Annotated[float, typer.Option(help="Seconds to simulate.")],
     p: Parameters = [],  # noqa: B006
     output: Annotated[str, typer.Option("-o", help=OUTPUT_HELP)] = "out.nc",
-    dt: Annotated[float, typer.Option(help="Largest time step [s].")] = 0.1,
+    dt: Annotated[float, typer.Option(help="Largest time step, seconds.")] = 0.1,
     interval: Annotated[float | None, typer.Option(help="Seconds between outputs; default dt.")] = None,
     channel: Annotated[list[str], typer.Option(help="Keep this channel only; repeatable.")] = [],  # noqa: B006
     precision: Annotated[str, typer.Option(help="float64 or float32.")] = "float64",
 ) -> None:
     """Simulate from the static equilibrium and write a netCDF file."""
-    system, _, attributes = _load(script, p)
+    _writable(output)
+    system, attributes = _load(script, p, command="run", duration=duration, dt=dt, interval=interval)
     with _Bar(duration) as show:
         result = floatsim.simulate(
             system, duration, dt, output=output, interval=interval, channels=channel or "all",
@@ -240,6 +272,8 @@ def main() -> None:
     """Entry point: floatsim's own errors become one message each and an exit status."""
     try:
         status = app(standalone_mode=False)
+        if status == 130:  # the option parser's own answer to an interrupt
+            raise KeyboardInterrupt
     except (ModelError, CaseError) as error:
         for line in error.problems:
             typer.echo(f"error: {line}", err=True)
@@ -247,12 +281,17 @@ def main() -> None:
     except FloatsimError as error:
         typer.echo(f"failed: {error}", err=True)
         sys.exit(1)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, typer.Abort):
         typer.echo("interrupted", err=True)
         sys.exit(130)
+    except BrokenPipeError:  # the reader of our output has gone, as in `floatsim check ... | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
     except Exception as error:
-        if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # click's own usage errors
-            typer.echo(f"error: {error.format_message()}", err=True)
+        if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # usage errors of the option parser
+            said = error.format_message()  # empty when the help has been shown instead
+            if said:
+                typer.echo(f"error: {said}", err=True)
             sys.exit(2)
         raise
     sys.exit(status if isinstance(status, int) else 0)

@@ -45,7 +45,7 @@ class SolveFailed(FloatsimError):
 def nearest(name: str, known: Iterable[str]) -> str:
     """` (did you mean 'x'?)` or `` (known: a, b, c)`` for a name that does not resolve."""
     names = list(known)
-    close = difflib.get_close_matches(name, names, n=1)
+    close = [other for other in names if other.lower() == name.lower()] or difflib.get_close_matches(name, names, n=1)
     if close:
         return f" (did you mean '{close[0]}'?)"
     return f" (known: {', '.join(sorted(names)[:12]) or 'none'})"

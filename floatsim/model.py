@@ -6,17 +6,18 @@ that do not resolve, duplicates, lines that cannot span their ends, ends whose s
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
-from pydantic import BeforeValidator
+from pydantic import field_validator
 
-from floatsim.description import Description, Name, NonNegative, _tuple
+from floatsim.description import Description, Items, Name, NonNegative, Positive
 from floatsim.errors import ModelError, nearest
 from floatsim.frames import Array
 from floatsim.sea.site import Sea
 
-Parts = Annotated[tuple[Any, ...], BeforeValidator(_tuple)]
+DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
 class Expected(Description):
@@ -25,8 +26,16 @@ class Expected(Description):
     periods_s: degree of freedom -> natural period [s]. source: where the numbers come from.
     """
 
-    periods_s: dict[str, NonNegative] = {}
+    periods_s: dict[str, Positive] = {}
     source: str = ""
+
+    @field_validator("periods_s")
+    @classmethod
+    def _of_degrees_of_freedom(cls, value: dict[str, float]) -> dict[str, float]:
+        for name in value:
+            if name not in DOFS:
+                raise ValueError(f"there is no degree of freedom '{name}'{nearest(name, DOFS)}")
+        return value
 
 
 class Model(Description):
@@ -38,8 +47,8 @@ class Model(Description):
     """
 
     name: Name = "model"
-    parts: Parts
-    joints: Parts = ()
+    parts: Items
+    joints: Items = ()
     sea: Sea
     gravity: NonNegative = 9.81
     expected: Expected = Expected()
@@ -71,20 +80,13 @@ class Model(Description):
         targets = self.targets()
 
         def where(target: Any) -> Array | None:
-            if not isinstance(target, str):
-                return np.asarray(target, dtype=float)
-            part, anchor = targets[target]
-            if part.name not in placed:
-                return None
-            point, rotation, arm = part.anchors()[anchor]
-            x, R = placed[part.name]
-            return x[point] + (R[rotation] @ np.asarray(arm) if rotation >= 0 else 0.0)
+            return self._where(target, targets, placed)
 
         while True:
             before = len(placed)
             for part in self.parts:
                 if part.name not in placed:
-                    result = part.place(self._ends(part, where))
+                    result = part.place(self._ends(part, where), self.sea.depth)
                     if result is not None:
                         placed[part.name] = result
             if len(placed) == before:
@@ -101,40 +103,91 @@ class Model(Description):
                             ends[mine.partition(".")[2]] = point
         return ends
 
-    def _problems(self) -> Any:
-        good = True
-        for kind, items in (("parts", self.parts), ("joints", self.joints)):
-            for item in items:
-                if not hasattr(item, "children"):
-                    good = False
-                    yield f"{kind}: got {item!r}; this is not one of floatsim's {kind}"
-        if not good:
+    @staticmethod
+    def _where(target: Any, targets: dict[str, tuple[Any, str]], placed: dict[str, tuple[Array, Array]]) -> Array | None:
+        """Drawing position (3,) of a connection point's name or of fixed coordinates; None while it is unknown."""
+        if not isinstance(target, str):
+            return np.asarray(target, dtype=float)
+        part, anchor = targets[target]
+        if part.name not in placed:
+            return None
+        point, rotation, arm = part.anchors()[anchor]
+        x, R = placed[part.name]
+        return np.asarray(x[point] + (R[rotation] @ np.asarray(arm) if rotation >= 0 else 0.0))
+
+    def loose(self) -> list[str]:
+        """Parts with mass that are tied, directly or through others, to nothing that is fixed, floats or lies on
+        the seabed: under gravity they have no equilibrium."""
+        ties = [pair for joint in self.joints for pair in joint.ties()]
+        ties += [(part.a, part.b) for part in self.parts if hasattr(part, "free_length")]
+        names = [{end.partition(".")[0] if isinstance(end, str) else "" for end in pair} for pair in ties]
+        held = {""} | {part.name for part in self.parts if getattr(part, "hydro", None) is not None}
+        while True:
+            more = {name for pair in names if pair & held for name in pair} - held
+            if not more:
+                break
+            held |= more
+        return [part.name for part in self.parts if hasattr(part, "mass") and part.name not in held]
+
+    def _problems(self) -> Iterator[str]:
+        strangers = [*self._strangers("parts", "anchors", self.parts), *self._strangers("joints", "ties", self.joints)]
+        if strangers:
+            yield from strangers
             return
+        if not self.parts:
+            yield "there are no parts"
         names = [part.name for part in self.parts] + [joint.label for joint in self.joints]
         for name in sorted({n for n in names if names.count(n) > 1}):
             yield f"the name '{name}' is used {names.count(name)} times; names must differ"
-        if not self.parts:
-            yield "there are no parts"
+        if self.sea.waves is not None and not hasattr(self.sea.waves, "realise"):
+            yield (
+                f"Sea: waves: got {self.sea.waves!r}; RegularWave, IrregularWaves(spectrum=..., seed=...) or "
+                "WaveComponents is allowed"
+            )
         targets = self.targets()
-        wanted = [(f"joint '{j.label}'", t) for j in self.joints for t in j.targets()]
-        wanted += [(f"{type(p).__name__} '{p.name}'", t) for p in self.parts
-                   for t in (getattr(p, "a", None), getattr(p, "b", None)) if t is not None]  # fmt: skip
-        unknown = [(who, t) for who, t in wanted if isinstance(t, str) and t not in targets]
+        ends = [(f"joint '{joint.label}'", joint.targets()) for joint in self.joints]
+        ends += [(_label(part), (part.a, part.b)) for part in self.parts if hasattr(part, "free_length")]
+        unknown = [(who, t) for who, pair in ends for t in pair if isinstance(t, str) and t not in targets]
         for who, t in unknown:
             yield f"{who}: there is no connection point '{t}'{nearest(t, targets)}"
         if unknown:
             return
+        to_itself = [*self._to_itself(ends, targets)]
+        yield from to_itself or self._misplaced(targets)
+
+    def _to_itself(self, ends: list[tuple[str, Any]], targets: dict[str, tuple[Any, str]]) -> Iterator[str]:
+        for who, pair in ends:
+            parts = {targets[t][0].name if isinstance(t, str) else "" for t in pair}
+            if len(pair) == 2 and len(parts) == 1:
+                own = f"of '{parts.pop()}'" if "" not in parts else "fixed"
+                yield f"{who}: both ends are {own} ({pair[0]} and {pair[1]}); tie two things that can move apart"
+
+    def _strangers(self, field: str, needed: str, items: tuple[Any, ...]) -> Iterator[str]:
+        for item in items:
+            if isinstance(item, type):
+                yield f"{field}: got the class {item.__name__} itself; give an object, {item.__name__}(...)"
+            elif not hasattr(item, needed):
+                own = {"parts": ("a joint, put it into joints=[...]", "ties"), "joints": ("a part", "anchors")}[field]
+                what = own[0] if hasattr(item, own[1]) else f"not one of floatsim's {field}"
+                yield f"{field}: got {_label(item)}; this is {what}"
+
+    def _misplaced(self, targets: dict[str, tuple[Any, str]]) -> Iterator[str]:
+        """What is wrong with where things start."""
         placed = self.placement()
         for part in self.parts:
             if part.name not in placed:
                 yield (
-                    f"{type(part).__name__} '{part.name}': where it starts is unknown; tie both ends with joints to "
+                    f"{_label(part)}: where it starts is unknown; tie both ends with joints to "
                     "something that has a position, or give end_a_position and end_b_position"
                 )
                 continue
-            ends = {}
             x, _ = placed[part.name]
-            for anchor, (point, rotation, _) in part.anchors().items():
-                if rotation < 0:
-                    ends[anchor] = x[point]
+            ends = {anchor: x[point] for anchor, (point, rotation, _) in part.anchors().items() if rotation < 0}
+            if hasattr(part, "free_length"):
+                ends = {end: self._where(getattr(part, end), targets, placed) for end in ("a", "b")}
             yield from part.problems(ends, self.sea.depth)
+
+
+def _label(item: Any) -> str:
+    name = getattr(item, "name", None) or getattr(item, "label", None)
+    return f"{type(item).__name__} '{name}'" if name else repr(item)

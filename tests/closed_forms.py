@@ -39,10 +39,10 @@ def elastic_catenary(
     @np.errstate(all="ignore")  # far starting points overflow and are thrown away
     def solve(form, V0: float) -> np.ndarray:  # type: ignore[no-untyped-def]
         best, found = np.inf, np.zeros(2)
-        for H0 in np.geomspace(1e-2, 1e5, 22) * w * length:
+        for H0 in np.geomspace(1e-3, 1e5, 33) * w * length:
             y, info, ok, _ = fsolve(
                 lambda y: np.subtract(form(np.exp(y[0]), y[1] * w * length), (x, z)) / length,
-                (np.log(H0), V0 / (w * length)), full_output=True, xtol=1e-13,
+                (np.log(H0), V0 / (w * length) + H0 * z / (x * w * length) * (not seabed)), full_output=True, xtol=1e-13,
             )  # fmt: skip
             gap = np.abs(info["fvec"]).max()
             if gap < best:

@@ -32,6 +32,7 @@ from floatsim.hydro.excitation import Excitation
 from floatsim.hydro.radiation import RadiationHistory, RadiationKernel
 from floatsim.jit import kernel
 
+MAX_MEMORY = 100_000  # intervals of the radiation memory; more is a slip of the pen
 ZERO6: tuple[tuple[float, ...], ...] = tuple((0.0,) * 6 for _ in range(6))
 
 
@@ -55,9 +56,18 @@ class PotentialFlow(Description):
     def model_post_init(self, context: Any) -> None:
         if not isinstance(self.database, HydroDatabase | str | Path):
             raise ModelError(
-                f"PotentialFlow: database: got {self.database!r}; a HydroDatabase or the path of a file is allowed"
+                f"PotentialFlow: database: got {self.database!r}; must be a HydroDatabase or the path of a file"
             )
-        self.data  # noqa: B018  a file that cannot be read is reported where it is named
+        # a file that cannot be read is reported where it is named, nonsense in it as well
+        broken = [name for name, value in vars(self.data).items()
+                  if isinstance(value, np.ndarray) and not np.isfinite(value).all()]  # fmt: skip
+        if broken:
+            raise ModelError(f"hydrodynamic database '{self.data.name}': {', '.join(broken)} contain NaN or infinity")
+        if self.memory / self.memory_grid > MAX_MEMORY:
+            raise ModelError(
+                f"PotentialFlow: memory of {self.memory:g} s on a grid of {self.memory_grid:g} s has more than "
+                f"{MAX_MEMORY} intervals; 60 s and 0.1 to 0.2 s are usual"
+            )
 
     @cached_property
     def data(self) -> HydroDatabase:
@@ -212,12 +222,18 @@ class FloaterBatch:
         for b, part in enumerate(self.parts):
             body, flow = part.body, part.body.hydro
             db = flow.data
+            waves = sea.waves
+            heading = math.radians(body.attitude_deg[2])
             try:
                 point = (*db.reference_point[:2], body.position[2])  # still water is the same everywhere
                 require_match(db, depth=sea.depth, reference_point=point, density=sea.density, gravity=gravity)
+                self.kernels.append(RadiationKernel.from_database(db, flow.memory, flow.memory_grid))
+                self.excitations.append(
+                    None if waves is None else Excitation.from_database(
+                        db, waves.realise(sea.depth, gravity), body.position[:2], heading, sea.wave_ramp)
+                )  # fmt: skip
             except ModelError as error:
                 raise ModelError([f"Body '{body.name}': {line}" for line in error.problems]) from None
-            heading = math.radians(body.attitude_deg[2])
             weight = sea.density * gravity * flow.volume
             self.matrices[b, 0] = db.hydrostatic_stiffness + np.array(flow.linear_stiffness)
             self.matrices[b, 1] = db.added_mass_inf
@@ -226,12 +242,6 @@ class FloaterBatch:
             xb, yb = (db.centre_of_buoyancy - db.reference_point)[:2]
             turn = turn_quaternion((0.0, 0.0, heading), (1.0, 0.0, 0.0, 0.0))
             self.P[b] = (math.cos(heading), math.sin(heading), *body.position, *turn, weight, weight * yb, -weight * xb)
-            self.kernels.append(RadiationKernel.from_database(db, flow.memory, flow.memory_grid))
-            waves = sea.waves
-            self.excitations.append(
-                None if waves is None else Excitation.from_database(
-                    db, waves.realise(sea.depth, gravity), body.position[:2], heading, sea.wave_ramp)
-            )  # fmt: skip
         self._Y, self._L, self._K = np.zeros((5, 6)), np.zeros((3, 3)), np.zeros((6, 6))
 
     def connect(self, numbering: Any) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from floatsim.description import Description, Name, Vector3
+from floatsim.description import Description, Name, Target
 from floatsim.joints.constraints import Align, Coincide, Place
 
 
@@ -22,7 +22,7 @@ class Ball(Description):
     """
 
     a: str
-    b: str | Vector3
+    b: Target
     name: Name | None = None
 
     @property

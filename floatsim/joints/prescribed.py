@@ -34,8 +34,11 @@ class Motion:
     """
 
     def __init__(self, position: Function, velocity: Function, acceleration: Function) -> None:
+        for name, function in zip(("position", "velocity", "acceleration"), (position, velocity, acceleration)):
+            if not callable(function):
+                raise ModelError(f"Motion: {name}: got {function!r}; must be a function of time, see also Motion.from_series")
         self._functions = (position, velocity, acceleration)
-        first = np.asarray(position(0.0), dtype=float)
+        first = _values(position, "position", 0.0)
         if first.shape not in ((3,), (6,)):
             raise ModelError(f"Motion: position(0) has shape {first.shape}; 3 (point) or 6 (body) numbers are allowed")
         self.columns = len(first)
@@ -49,7 +52,10 @@ class Motion:
         """
         from scipy.interpolate import CubicSpline
 
-        t, y = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+        try:
+            t, y = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise ModelError(f"Motion.from_series: time and values must be arrays of numbers: {error}") from None
         if t.ndim != 1 or len(t) < 4 or y.shape not in ((len(t), 3), (len(t), 6)):
             raise ModelError(
                 f"Motion.from_series: got time {t.shape} and values {y.shape}; (n,) and (n, 3) or (n, 6), n >= 4"
@@ -76,13 +82,14 @@ class Motion:
         for order, name in ((0, "velocity"), (1, "acceleration")):
             low, high = self._functions[order], self._functions[order + 1]
             for t in (0.37, 1.73, 7.91):
-                slope = (np.asarray(low(t + h), dtype=float) - np.asarray(low(t - h), dtype=float)) / (2.0 * h)
-                given = np.asarray(high(t), dtype=float)
+                before = "position" if order == 0 else "velocity"
+                slope = (_values(low, before, t + h) - _values(low, before, t - h)) / (2.0 * h)
+                given = _values(high, name, t)
                 if given.shape != (self.columns,):
                     raise ModelError(f"Motion: {name} gives shape {given.shape}, position has {self.columns} columns")
                 if not np.all(np.abs(slope - given) <= 1e-3 * np.max(np.abs(given)) + 1e-4):
                     raise ModelError(
-                        f"Motion: {name}({t:g}) is {given.tolist()} but differences of the function before give "
+                        f"Motion: {name}({t:g}) is {given.tolist()} but differences of {before} give "
                         f"{slope.round(6).tolist()}; the three functions must belong together"
                     )
 
@@ -106,6 +113,17 @@ class Motion:
         w = w_zy + rr * ex
         alpha = a[5] * ez + a[4] * ey + a[3] * ex + np.cross(w_z, pp * ey) + np.cross(w_zy, rr * ex)
         return matrix_from_angles(*p[3:]), w, alpha
+
+
+def _values(function: Function, name: str, t: float) -> Array:
+    """function(t) as an array. ModelError if it raises or gives anything but finite numbers."""
+    try:
+        values = np.asarray(function(t), dtype=float)
+    except Exception as error:  # the user's own code
+        raise ModelError(f"Motion: {name}({t:g}) fails: {type(error).__name__}: {error}") from None
+    if not np.isfinite(values).all():
+        raise ModelError(f"Motion: {name}({t:g}) is {values.tolist()}; must be finite numbers")
+    return values
 
 
 class Prescribed(Description):

@@ -15,8 +15,7 @@ from floatsim.jit import kernel
 def green_linear(EA, c, strain, rate, push):  # type: ignore[no-untyped-def]
     """(N, dN/deps, dN/drate): EA [N], c [N s], strain [-], rate [1/s].
 
-    push: share of EA that acts in compression. 1 always, but for the first part of a static solve,
-    which would otherwise find the straight, compressed and unstable equilibrium of a slack line.
+    push: share of EA that acts in compression; 1 but for the first part of a static solve.
     """
     if strain < 0.0:
         EA *= push

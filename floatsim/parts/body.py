@@ -12,19 +12,18 @@ turning the body by the spatial vector e changes r by e x r and J y by e x (J y)
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import BeforeValidator, model_validator
+from pydantic import field_validator, model_validator
 
-from floatsim.description import Description, Finite, Name, Positive, Vector3, _tuple
-from floatsim.frames import Array, at, cross, matrix_from_angles, minus, plus, rotate, times, unit, unrotate
+from floatsim.description import Description, Name, Positive, Vector3, numbers
+from floatsim.frames import Array, at, cross, dot, matrix_from_angles, minus, plus, rotate, times, unit, unrotate
 from floatsim.jit import kernel
 
-Inertia = Annotated[
-    tuple[Finite, Finite, Finite] | tuple[Finite, Finite, Finite, Finite, Finite, Finite], BeforeValidator(_tuple)
-]
+Inertia = Annotated[tuple[float, ...], numbers("3 finite numbers (xx, yy, zz) or 6 (xx, yy, zz, xy, xz, yz)", 3, 6)]
 
 
 class Body(Description):
@@ -44,11 +43,18 @@ class Body(Description):
     center_of_mass: Vector3 = (0.0, 0.0, 0.0)
     position: Vector3 = (0.0, 0.0, 0.0)
     attitude_deg: Vector3 = (0.0, 0.0, 0.0)
-    points: dict[str, Vector3] = {}
+    points: dict[Name, Vector3] = {}
     hydro: Any = None
 
     n_points: ClassVar[int] = 1
     n_rotations: ClassVar[int] = 1
+
+    @field_validator("hydro")
+    @classmethod
+    def _is_hydrodynamics(cls, value: Any) -> Any:
+        if value is not None and not hasattr(value, "attached_to"):
+            raise ValueError(f"got {value!r}; floatsim.PotentialFlow(database=...) or None is allowed")
+        return value
 
     @model_validator(mode="after")
     def _physical(self) -> Body:
@@ -70,6 +76,12 @@ class Body(Description):
         J = (*self.inertia, 0.0, 0.0, 0.0)[:6]
         return np.array([[J[0], J[3], J[4]], [J[3], J[1], J[5]], [J[4], J[5], J[2]]])
 
+    @property
+    def extent(self) -> float:
+        """A length of the body [m]: its largest radius of gyration about the reference point, for tolerances."""
+        lever = float(np.dot(self.center_of_mass, self.center_of_mass))
+        return math.sqrt(float(np.linalg.eigvalsh(self.inertia_tensor)[2]) / self.mass + lever)
+
     @staticmethod
     def batch() -> type[BodyBatch]:
         return BodyBatch
@@ -85,7 +97,7 @@ class Body(Description):
     def internal_balls(self) -> list[tuple[int, int]]:
         return []
 
-    def place(self, ends: dict[str, Array]) -> tuple[Array, Array]:
+    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
         """Drawing position: point (1, 3) and rotation matrix (1, 3, 3)."""
         R = matrix_from_angles(*np.radians(self.attitude_deg))
         return np.array([self.position]), R[None]
@@ -120,6 +132,7 @@ def rigid_bodies(x, R, v, a, c, points, rots, P, slots, K, A, r, s):  # type: ig
             abs(mom[0]) + abs(mom[1]) + abs(mom[2])
             + m * abs(g) * (abs(rc[0]) + abs(rc[1]) + abs(rc[2]))
             + abs(Ja[0]) + abs(Ja[1]) + abs(Ja[2])
+            + 1e-3 * math.sqrt(dot(w, w) * dot(Jw, Jw))  # a free steady spin has no moments: something to be small against
         )  # fmt: skip
         for n in range(3):
             e = unit(n)

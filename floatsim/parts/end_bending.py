@@ -43,7 +43,7 @@ class EndBending(Description):
     def internal_balls(self) -> list[tuple[int, int]]:
         return []
 
-    def place(self, ends: dict[str, Array]) -> tuple[Array, Array]:
+    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
         return np.empty((0, 3)), np.empty((0, 3, 3))
 
     def problems(self, ends: dict[str, Array], depth: float) -> list[str]:

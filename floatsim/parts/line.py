@@ -28,7 +28,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from floatsim.description import Description, Name, NonNegative, Positive, PositiveInt, Vector3
 from floatsim.frames import Array, at, cross, dot, minus, plus, times, vec
@@ -37,9 +37,11 @@ from floatsim.laws.angle import half_angle_squared
 from floatsim.laws.green import green_linear
 
 # rows of the element parameter array
-L0, EA, CA, MASS, AREA, CDN, CDT, CAN, CAT, DIA = range(10)
+L0, EA, CA, MASS, AREA, CDN, CDT, CAN, CAT, DIA, SOFT = range(11)
 # entries of the surroundings array
 RHO, GRAVITY, BED, BED_K, BED_C, BED_PEN = range(6)
+
+MAX_ELEMENTS = 100_000  # decimetres of the longest cables; more is a slip of the pen
 
 _STRAIGHT = 1e-4  # rad; below this the bending damper fades out
 _FOLDED = -0.9998  # cosine of 178.9 degrees: the pair is folded back on itself
@@ -110,6 +112,13 @@ class Line(Description):
 
     n_rotations: ClassVar[int] = 0
 
+    @field_validator("elements")
+    @classmethod
+    def _countable(cls, value: int) -> int:
+        if value > MAX_ELEMENTS:
+            raise ValueError(f"got {value}; at most {MAX_ELEMENTS} are allowed")
+        return value
+
     @staticmethod
     def batch() -> type[LineBatch]:
         return LineBatch
@@ -140,21 +149,23 @@ class Line(Description):
             return []
         return [(2 * e + 1, 2 * e + 2) for e in range(self.elements - 1)]
 
-    def place(self, ends: dict[str, Array]) -> tuple[Array, Array] | None:
-        """Straight from end to end: the crude shape statics start from. None while an end is unknown."""
+    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array] | None:
+        """The crude shape statics start from: straight, or an arc of the line's length if it is slack.
+
+        None while an end is unknown.
+        """
         a = self.end_a_position if self.end_a_position is not None else ends.get("end_a")
         b = self.end_b_position if self.end_b_position is not None else ends.get("end_b")
         if a is None or b is None:
             return None
-        s = np.linspace(0.0, 1.0, self.elements + 1)[:, None]
-        x = (1.0 - s) * np.asarray(a) + s * np.asarray(b)
+        x = hanging_arc(np.asarray(a, dtype=float), np.asarray(b, dtype=float), self.length, self.elements + 1, depth)
         if self.form == "ball_joints":
             x = np.repeat(x, 2, axis=0)[1:-1]
         return x, np.empty((0, 3, 3))
 
     def problems(self, ends: dict[str, Array], depth: float) -> list[str]:
         """What only shows once the ends are known."""
-        placed = self.place(ends)
+        placed = self.place(ends, depth)
         if placed is None:
             return []
         a, b = placed[0][0], placed[0][-1]
@@ -176,6 +187,40 @@ class Line(Description):
                     f"Line '{self.name}': {end} is at z = {point[2]:.6g} m, below the seabed at {-depth:g} m"
                 )
         return found
+
+
+def hanging_arc(a: Array, b: Array, length: float, n: int, depth: float) -> Array:
+    """n points (n, 3), evenly spaced on a circular arc of the given length from a to b, above the seabed.
+
+    Straight if the length does not exceed the span. A slack line drawn straight would be compressed by far more than
+    its weight and start by folding; an arc has no strain at all. It hangs in the vertical plane of its ends; a line so
+    slack that it could not stay above the bed even as an L is turned about its chord until it does.
+    """
+    s = np.linspace(0.0, 1.0, n)[:, None]
+    chord = b - a
+    span = float(np.linalg.norm(chord))
+    if length <= span * (1.0 + 1e-9) or span == 0.0:
+        return (1.0 - s) * a + s * b
+    from scipy.optimize import brentq
+
+    half = brentq(lambda y: math.sin(y) / y - span / length, 1e-6, math.pi)  # half the angle of the arc
+    radius = span / (2.0 * math.sin(half))
+    along = chord / span
+    across = np.cross(along, (0.0, 0.0, -1.0))
+    across = np.array([0.0, 1.0, 0.0]) if np.linalg.norm(across) < 1e-6 else across / np.linalg.norm(across)
+    down = np.cross(across, along)
+    phi = half * (2.0 * s - 1.0)
+
+    def turned(tilt: float) -> Array:
+        sag = math.cos(tilt) * down + math.sin(tilt) * across
+        return 0.5 * (a + b) + radius * (np.sin(phi) * along + (np.cos(phi) - math.cos(half)) * sag)
+
+    slack = length > 0.99 * (abs(chord[2]) + math.hypot(chord[0], chord[1]))
+    # a hair out of the vertical plane, because slack on the bed has to leave it
+    tilts = np.radians(np.concatenate([[0.01], np.arange(5.0, 91.0, 5.0)])) if slack else np.array([0.0])
+    shape = next((x for x in map(turned, tilts) if x[:, 2].min() >= -depth), turned(tilts[-1]))
+    shape[1:-1, 2] = np.maximum(shape[1:-1, 2], -depth)  # an end below the bed is for `problems` to report
+    return shape
 
 
 @kernel
@@ -213,7 +258,7 @@ def wet_share(z1, z2, h):  # type: ignore[no-untyped-def]
 def line_elements(x, v, a, u, c, nodes, P, env, slots, Ke, A, r, s):  # type: ignore[no-untyped-def]
     """Axial force, weight, buoyancy, inertia, drag and seabed of every element.
 
-    x (n_point, 3), v and a (flat), u (n_point, 3) fluid velocity; c = (cM, cC, cK, cG, push); nodes
+    x (n_point, 3), v and a (flat), u (n_point, 3) fluid velocity; c: see `Work`; nodes
     (n_el, 2); P (n_param, n_el); slots (n_el, 36) into A; Ke (6, 6) scratch. Adds to A, residual r
     and force scale s.
     """
@@ -230,7 +275,8 @@ def line_elements(x, v, a, u, c, nodes, P, env, slots, Ke, A, r, s):  # type: ig
         half = 0.5 * l0
         dv = minus(at(v, 3 * j), at(v, 3 * i))
         strain, rate = 0.5 * (l2 / (l0 * l0) - 1.0), dot(d, dv) / (l0 * l0)
-        N, dN, dR = green_linear(P[EA, e], P[CA, e], strain, rate, c[4])
+        stiff = P[EA, e] if c[5] == 0.0 else P[EA, e] * P[SOFT, e] ** c[5]
+        N, dN, dR = green_linear(stiff, P[CA, e], strain, rate, c[4])
 
         # axial: f = N d/l0;  df/dx = dN d d^T/l0^3 + dR d dv^T/l0^3 + N/l0 I;  df/dv = dR d d^T/l0^3
         w0 = N / l0
@@ -251,8 +297,10 @@ def line_elements(x, v, a, u, c, nodes, P, env, slots, Ke, A, r, s):  # type: ig
         ma = rho * P[AREA, e] * half  # mass of water displaced by half an element
         dry = P[MASS, e] * half
         weight = dry * g
-        s[i] += abs(w0) * l + weight
-        s[j] += abs(w0) * l + weight
+        # rounding of the coordinates, seen through EA: no residual gets below 1e-8 of this
+        noise = P[EA, e] * 1e-7 * (abs(x2[0]) + abs(x2[1]) + abs(x2[2])) / l0
+        s[i] += abs(w0) * l + weight + noise
+        s[j] += abs(w0) * l + weight + noise
         for k in range(2):
             p = i if k == 0 else j
             b = 3 * k
@@ -450,6 +498,12 @@ def line_angles(x, pairs, angle):  # type: ignore[no-untyped-def]
         angle[e] = math.atan2(math.sqrt(dot(n, n)), dot(da, db))
 
 
+def softening(line: Line, gravity: float) -> float:
+    """Share of EA with which a static solve starts: strains of about 2 % under the line's own weight."""
+    weight = line.section.mass_per_length * gravity * line.length
+    return min(1.0, 50.0 * weight / line.section.EA) if weight > 0.0 else 1.0
+
+
 class LineBatch:
     """All lines of a system in one batch: one compiled call evaluates every element of every line."""
 
@@ -468,7 +522,8 @@ class LineBatch:
             self.elements_of.append(slice(sum(map(len, nodes)), sum(map(len, nodes)) + n))
             nodes.append(own)
             column = (l0, sec.EA, sec.damping(l0), sec.mass_per_length, sec.area, sec.drag_normal,
-                      sec.drag_tangential, sec.added_mass_normal, sec.added_mass_tangential, sec.diameter)  # fmt: skip
+                      sec.drag_tangential, sec.added_mass_normal, sec.added_mass_tangential, sec.diameter,
+                      softening(line, gravity))  # fmt: skip
             columns.append(np.repeat(np.array(column)[:, None], n, axis=1))
             both = np.concatenate([own[:-1], own[1:]], axis=1)
             self.pairs_of.append(slice(sum(map(len, pairs)), sum(map(len, pairs)) + n - 1))

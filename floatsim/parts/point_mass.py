@@ -37,7 +37,7 @@ class PointMass(Description):
     def internal_balls(self) -> list[tuple[int, int]]:
         return []
 
-    def place(self, ends: dict[str, Array]) -> tuple[Array, Array]:
+    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
         return np.array([self.position]), np.empty((0, 3, 3))
 
     def problems(self, ends: dict[str, Array], depth: float) -> list[str]:

@@ -5,7 +5,7 @@ Force along the line between the points, pulling when longer than the free lengt
     F = k (l - l_free) + c dl/dt
 
 A point on a body stands at x + R r and moves with v + w x (R r). A tension-only spring gives
-nothing below its free length (damper included).
+nothing below its free length (damper included) and its damper never makes it push.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from floatsim.description import Description, Name, NonNegative, Vector3
+from floatsim.description import Description, Name, NonNegative, Target
 from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
 
@@ -28,8 +28,8 @@ class Spring(Description):
     """
 
     name: Name
-    a: str | Vector3
-    b: str | Vector3
+    a: Target
+    b: Target
     stiffness: NonNegative
     free_length: NonNegative
     damping: NonNegative = 0.0
@@ -52,11 +52,15 @@ class Spring(Description):
     def internal_balls(self) -> list[tuple[int, int]]:
         return []
 
-    def place(self, ends: dict[str, Array]) -> tuple[Array, Array]:
+    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
         return np.empty((0, 3)), np.empty((0, 3, 3))
 
     def problems(self, ends: dict[str, Array], depth: float) -> list[str]:
-        return []
+        """What only shows once the ends are known."""
+        a, b = ends.get("a"), ends.get("b")
+        if a is None or b is None or np.linalg.norm(b - a) > 0.0:
+            return []
+        return [f"Spring '{self.name}': its two ends start at the same place; its direction would be undefined"]
 
 
 @kernel
@@ -71,12 +75,13 @@ def springs(x, R, v, c, where, arms, P, slots, K, A, r, s, force):  # type: igno
         d = minus(plus(vec(x, pb), ab), plus(vec(x, pa), aa))
         dv = minus(plus(at(v, 3 * pb), cross(wb, ab)), plus(at(v, 3 * pa), cross(wa, aa)))
         l = math.sqrt(dot(d, d))
-        t = times(1.0 / l, d)
+        t = times(1.0 / l if l > 0.0 else 0.0, d)
         k, cd, l0 = P[0, e], P[1, e], P[2, e]
         rate = dot(t, dv)
         F = k * (l - l0) + cd * rate
-        if P[3, e] > 0.0 and l < l0:
+        if P[3, e] > 0.0 and (l < l0 or F < 0.0):
             F, k, cd = 0.0, 0.0, 0.0
+        across = F / l if l > 0.0 else k  # stiffness across the spring; a spring of no length at all has no direction
         force[e] = F
         f = times(F, t)  # on a; -f on b
         ma, mb = cross(aa, f), cross(ab, f)
@@ -107,9 +112,9 @@ def springs(x, R, v, c, where, arms, P, slots, K, A, r, s, force):  # type: igno
                     db = cross(u, ab)
                     dd, ddv, rate_v = db, cross(wb, db), db
                 dl = dot(t, dd)
-                dt = times(1.0 / l, minus(dd, times(dl, t)))
-                dF = c[2] * (k * dl + cd * (dot(dt, dv) + dot(t, ddv))) + c[1] * cd * dot(t, rate_v)
-                df = plus(times(dF, t), times(c[2] * F, dt))
+                turn = minus(dd, times(dl, t))  # l dt
+                dF = c[2] * (k * dl + cd * ((dot(turn, dv) / l if l > 0.0 else 0.0) + dot(t, ddv))) + c[1] * cd * dot(t, rate_v)
+                df = plus(times(dF, t), times(c[2] * across, turn))
                 dma = plus(cross(aa, df), times(c[2], cross(da, f)))
                 dmb = plus(cross(ab, df), times(c[2], cross(db, f)))
                 col = 3 * block + n

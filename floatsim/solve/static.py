@@ -9,9 +9,10 @@ method (pseudo-transient continuation, Kelley & Keyes 1998). Steps are limited i
 the residual falls and shrinks when a step would fold or explode something. Minutes of explicit
 relaxation become some hundred factorisations.
 
-A slack line drawn straight is compressed by far more than its weight, and straight compression *is* an
-equilibrium, only an unstable one. So lines first push with a thousandth of EA; once that has settled
-the full law takes over. An equilibrium without compression is the same for both.
+Two things make the way from a crude shape hard. Lines are so stiff that swinging by a tenth of an element
+length strains them by more than their weight ever will: they start softened, with strains of some 2 % under their
+own weight, and get their EA back in steps. And compression along a straight line *is* an equilibrium,
+only an unstable one: until the shape has settled they push with a thousandth of EA.
 """
 
 from __future__ import annotations
@@ -22,14 +23,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from floatsim.errors import SolveFailed
+from floatsim.frames import Array
 from floatsim.solve.linear import LinearSolver
 from floatsim.solve.step import kinematics, norms
 from floatsim.system.state import State
 from floatsim.system.system import System
 
 TOLERANCE = 1e-8  # residual over the sum of forces at the same point
+LOOSE, PATIENCE = 1e-6, 300  # what is enough after so many iterations: slack on the bed, barely in balance at all
 MAX_ITERATIONS = 3000
+H_START, H_SMALLEST, H_SWITCH = 0.05, 1e-4, 1.0  # s; first step, smallest, largest when the full law sets in
+WORSE = 30.0  # growth of the unbalance at which a step is taken back
 PUSH = 1e-3  # share of EA in compression until the shape has settled
+SOFT_STEP = 0.5  # softening is taken back in steps of this
 
 
 @dataclass(frozen=True)
@@ -64,54 +70,59 @@ def solve_static(
     w.still = True
     system.begin(w, start, start.t)
     n_dof = system.n_dof
-    d, out = np.zeros(system.n), np.zeros(4)
-    zero = np.zeros(n_dof)
-    k = np.array([1.0, 0.25, 0.5, 0.0, 0.0])
-    x0, q0 = np.empty_like(w.x), np.empty_like(w.q)
-    points = slice(0, 3 * system.n_point)
-    h, reach = 0.05, 0.02 * system.length
-    w.c[:4] = (1.0 / h**2, 0.0, 1.0, 1.0)
-    system.evaluate(w)
-    lay = system.layout
-    diagonal = lay.slot[(lay.rows == lay.cols) & (lay.rows < n_dof)]
+    d, out, zero = np.zeros(system.n), np.zeros(4), np.zeros(n_dof)
+    once = np.array([1.0, 0.25, 0.5, 0.0, 0.0])  # kinematics of a plain increment
+    x0, q0, lam0 = w.x.copy(), w.q.copy(), w.lam.copy()
+    points, turns = slice(0, 3 * system.n_point), slice(3 * system.n_point + 3, n_dof)
     held = system.unknowns_of(hold)
+    lay = system.layout
     held_slots = lay.slots(held[:, None])[:, 0]
-    best = np.inf
-    w.c[4] = PUSH
-    stalled = 0
+    diagonal = lay.slot[(lay.rows == lay.cols) & (lay.rows < n_dof)]
+    h, reach = H_START, 0.02 * system.length
+    size, last = 1.0, np.inf
+    w.c[4:] = PUSH, 1.0
     for iteration in range(1, MAX_ITERATIONS + 1):
-        size = np.abs(w.A[diagonal])
-        w.c[:4] = (1.0 / h**2, 0.0, 1.0, float(np.median(size[size > 0.0])) if size.any() else 1.0)
+        w.c[:4] = (1.0 / h**2, 0.0, 1.0, size)
         system.evaluate(w)
         w.r[held] = 0.0
-        w.A[held_slots] += 1e12 * w.c[3]
-        norms(w.r, w.s, system.n_point, n_dof, w.c[3], out)
-        if out[0] <= (TOLERANCE if w.c[4] == 1.0 else 1e-3) and out[2] <= 1e-10 * system.length and w.trouble is None:
-            if w.c[4] == 1.0:
+        entries = np.abs(w.A[diagonal])
+        w.A[held_slots] += 1e12 * entries.max(initial=1.0)
+        norms(w.r, w.s, system.n_point, n_dof, size, out)
+        true_law = w.c[4] == 1.0 and w.c[5] == 0.0
+        enough = (TOLERANCE if iteration < PATIENCE else LOOSE) if true_law else 1e-3
+        if out[0] <= enough and out[2] <= 1e-10 * system.length and w.trouble is None:
+            if true_law:
                 break
-            w.c[4] = 1.0
+            if w.c[5] > 0.0:
+                w.c[5] = max(0.0, w.c[5] - SOFT_STEP)
+            else:
+                w.c[4] = 1.0
+            last, h = np.inf, min(h, H_SWITCH)
             continue
-        if not np.isfinite(out[0]) or not linear.solve(w.A, w.r, d):
+        merit = _unbalance(w.r, system.n_point, n_dof, system.length)
+        if not merit < WORSE * last and h > H_SMALLEST:  # back, and more slowly
+            np.copyto(w.x, x0)
+            np.copyto(w.q, q0)
+            np.copyto(w.lam, lam0)
+            kinematics(zero, once, x0, q0, zero, zero, zero, w.x, w.q, w.R, w.v, w.a, w.aux)
+            h, last = h * 0.2, np.inf
+            continue
+        if not np.isfinite(merit) or not linear.solve(w.A, w.r, d):
             return _failed(system, w, iteration, "the stiffness matrix is singular: something is free to drift", held)
-        move = float(np.abs(d[points]).max(initial=0.0))
-        turn = float(np.abs(d[3 * system.n_point + 3 : n_dof]).max(initial=0.0))
-        part = min(1.0, reach / move if move > 0.0 else 1.0, 0.1 / turn if turn > 0.0 else 1.0)
+        move, turn = float(np.abs(d[points]).max(initial=0.0)), float(np.abs(d[turns]).max(initial=0.0))
+        part = min(1.0, reach / max(move, 1e-300), 0.1 / max(turn, 1e-300))
         np.copyto(x0, w.x)
         np.copyto(q0, w.q)
-        y = part * d[:n_dof]
-        kinematics(y, k, x0, q0, zero, zero, zero, w.x, w.q, w.R, w.v, w.a, w.aux)
+        np.copyto(lam0, w.lam)
+        kinematics(part * d[:n_dof], once, x0, q0, zero, zero, zero, w.x, w.q, w.R, w.v, w.a, w.aux)
         w.v[:] = 0.0
         w.a[:] = 0.0
-        w.lam += part * w.c[3] * d[n_dof:]
-        merit = out[0] + out[2] / system.length
-        h = h * 1.5 if part == 1.0 else max(h * 0.7, 1e-3)
-        if merit < best:
-            best, stalled = merit, 0
-        else:
-            stalled += 1
-            if stalled > 60:
-                h, stalled, best = 0.05, 0, np.inf
-        h = min(h, 1e8)
+        w.lam += part * size * d[n_dof:]
+        # switched evolution relaxation: the step grows as the residual falls
+        h = min(max(h * (min(max(last / merit, 0.5), 2.0) if np.isfinite(last) else 1.2) * 1.1 * part, H_SMALLEST), 1e6)
+        last = merit
+        positive = entries[entries > 0.0]
+        size = float(np.median(positive)) if len(positive) else 1.0
     else:
         return _failed(system, w, MAX_ITERATIONS, w.trouble or "no convergence", held)
     result = start
@@ -122,6 +133,16 @@ def solve_static(
     result.step = 0.0
     system.forget(result)
     return result, _report(system, w, iteration, True, "", held)
+
+
+def _unbalance(r: Array, n_point: int, n_dof: int, length: float) -> float:
+    """Root mean square of the unbalanced forces [N], moments over the model's length.
+
+    Not relative to the forces that meet at a point: those grow as fast as the residual when a step goes wrong.
+    """
+    n = 3 * n_point
+    turns = r[n + 3 : n_dof - 3] / length
+    return float(np.sqrt((r[:n] @ r[:n] + turns @ turns) / max(n, 1)))
 
 
 def _report(system: System, w, iterations: int, converged: bool, reason: str, held) -> StaticReport:  # type: ignore[no-untyped-def]

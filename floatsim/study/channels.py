@@ -114,12 +114,9 @@ class Sampler:
         shapes = [tuple(sizes[dim] for dim in channel.dims) for channel in self.channels]
         self._columns = {
             channel.name: (slice(int(a), int(b)), shape)
-            for channel, a, b, shape in zip(self.channels, start, start[1:], shapes, strict=True)
+            for channel, a, b, shape in zip(self.channels, start[:-1], start[1:], shapes, strict=True)
         }
         self._waves = any(channel.name == "wave_elevation" for channel in self.channels)
-        self._columns = {
-            entry.channel.name: slice(int(a), int(b)) for entry, a, b in zip(chosen, start, [*start[1:], self.width])
-        }
 
     # -- samples ------------------------------------------------------------------------------
 
@@ -138,25 +135,6 @@ class Sampler:
         self.system.begin(work, state, state.t)
         self.system.evaluate(work)
         return self.sample(work)
-
-    def column(self, rows: Array, name: str) -> Array:
-        """Channel `name` of samples (n, width), shape (n, ...). Raises CaseError for a name that is not there."""
-        if name not in self._columns:
-            raise CaseError(f"channels: there is no '{name}'{nearest(name, self._columns)}")
-        channel = next(c for c in self.channels if c.name == name)
-        size = {item.dim: len(item.values) for item in self.coordinates}
-        return rows[:, self._columns[name]].reshape(len(rows), *(size[dim] for dim in channel.dims))
-
-    def dataset(self, time: Array, rows: Array) -> Any:
-        """Samples (n, width) at time (n,) as an xarray Dataset, as a file would hold them."""
-        import xarray
-
-        variables = {
-            c.name: (("time", *c.dims), self.column(rows, c.name), {"long_name": c.long_name, "units": c.units})
-            for c in self.channels
-        }
-        coordinates = {item.name: (item.dim, np.asarray(item.values)) for item in self.coordinates}
-        return xarray.Dataset(variables, {"time": ("time", time, {"units": "s"}), **coordinates})
 
     def column(self, rows: Array, name: str) -> Array:
         """Channel `name` of samples (n, width): shape (n, ...). Raises CaseError for a name that is not there."""
@@ -357,9 +335,12 @@ def _selection(names: str | Sequence[str], known: Iterable[str]) -> list[str]:
     known = list(known)
     if isinstance(names, str):
         if names != "all":
-            raise CaseError(f"channels: got {names!r}; 'all' or a list of names is allowed")
+            raise CaseError(f"channels: got {names!r}; must be 'all' or a list of names")
         return known
-    problems = [f"channels: there is no '{name}'{nearest(name, known)}" for name in names if name not in known]
+    if not isinstance(names, Iterable):
+        raise CaseError(f"channels: got {names!r}; must be 'all' or a list of names")
+    names = list(names)
+    problems = [f"channels: there is no '{name}'{nearest(str(name), known)}" for name in names if name not in known]
     if not names:
         problems = ["channels: the list is empty; give names, or 'all'"]
     if problems:

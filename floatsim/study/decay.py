@@ -16,6 +16,8 @@ A the damping ratio is zeta + 4 b A/(3 pi).
 
 Amplitudes are halves of the way between successive extrema, A_i = |x_i - x_(i+1)|/2: an error of the equilibrium and a
 restoring force that is stiffer on one side would make decrements about the equilibrium zigzag; these do not see it.
+The straight line is the first term of an expansion in delta: with a first decrement of 0.5 the quadratic part comes out
+3 % high and zeta 0.001 low, with 0.2 it is 1 % and 0.0002 (integrated numerically).
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from floatsim.description import is_number
 from floatsim.errors import CaseError, nearest
 from floatsim.frames import Array, angles_from_matrix, matrix_from_angles, quaternion_from_matrix, set_matrix
 from floatsim.model import Model
@@ -22,9 +23,10 @@ from floatsim.solve.modes import natural_modes
 from floatsim.solve.scheme import Scheme
 from floatsim.solve.static import solve_static
 from floatsim.study.decay import DecayFit, fit_decay
-from floatsim.study.simulate import Progress, Run, positive_seconds, run_or_raise, simulate
+from floatsim.study.simulate import Progress, Run, as_system, positive_seconds, run_or_raise, simulate
+from floatsim.study.store import check_path
 from floatsim.system.state import State
-from floatsim.system.system import System, assemble
+from floatsim.system.system import System
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 DEFAULT_PERIODS = 8.0  # duration in natural periods of the mode
@@ -70,11 +72,18 @@ def decay_test(
     """
     if dof not in DOFS:
         raise CaseError(f"decay: there is no degree of freedom '{dof}'{nearest(str(dof), DOFS)}")
-    if isinstance(offset, bool) or not isinstance(offset, int | float | np.floating) or not np.isfinite(offset) or not offset:
-        raise CaseError(f"decay: offset is {offset!r}; a number other than zero is allowed (m, or degrees for rotations)")
+    if not is_number(offset) or offset == 0.0:
+        raise CaseError(f"decay: offset: got {offset!r}; must be a number other than zero (m, or degrees for rotations)")
+    if DOFS.index(dof) >= 3 and abs(offset) >= 90.0:
+        raise CaseError(f"decay: offset: got {offset:g} degrees of {dof}; must be less than 90 degrees either way")
     if release not in ("equilibrium", "absolute"):
-        raise CaseError(f"decay: release is {release!r}; 'equilibrium' or 'absolute' is allowed")
-    system = model if isinstance(model, System) else assemble(model)
+        raise CaseError(f"decay: release: got {release!r}; must be 'equilibrium' or 'absolute'")
+    dt = positive_seconds("dt", dt)
+    if duration is not None:
+        duration = positive_seconds("duration", duration)
+    if output is not None:
+        check_path(output)
+    system = as_system(model)
     name = _body(system, body)
     index = DOFS.index(dof)
     rest, _ = solve_static(system)
@@ -127,9 +136,11 @@ def _body(system: System, body: str | None) -> str:
     if body is None:
         if len(names) == 1:
             return names[0]
-        raise CaseError(f"decay: the model has {len(names)} bodies ({', '.join(names) or 'none'}); say which one to release")
+        if not names:
+            raise CaseError(f"decay: the model '{system.model.name}' has no body that could be released")
+        raise CaseError(f"decay: the model has {len(names)} bodies ({', '.join(names)}); say which one to release")
     if body not in names:
-        raise CaseError(f"decay: there is no body '{body}'{nearest(body, names)}")
+        raise CaseError(f"decay: there is no body '{body}'{nearest(str(body), names)}")
     return body
 
 

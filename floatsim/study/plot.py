@@ -13,7 +13,7 @@ import numpy as np
 from floatsim.errors import CaseError
 
 _MANY = 8  # legends with more entries are left out
-_QUIET = {"color": "0.35", "linewidth": 0.9}
+_QUIET: dict[str, Any] = {"color": "0.35", "linewidth": 0.9}
 
 
 def plot_file(path: str | Path, out_png: str | Path) -> None:

@@ -9,6 +9,7 @@ import inspect
 import json
 import sys
 import traceback
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -28,13 +29,19 @@ def parse_parameters(pairs: Sequence[str]) -> dict[str, Any]:
             continue
         if name in out:
             problems.append(f"-p {name} is given twice")
-        try:
-            out[name] = ast.literal_eval({"true": "True", "false": "False", "none": "None"}.get(text, text))
-        except (ValueError, SyntaxError):
-            out[name] = text
+        out[name] = _value({"true": "True", "false": "False", "none": "None"}.get(text, text))
     if problems:
         raise CaseError(problems)
     return out
+
+
+def _value(text: str) -> Any:
+    try:
+        with warnings.catch_warnings():  # of text that only looks like Python, such as C:\\data
+            warnings.simplefilter("ignore")
+            return ast.literal_eval(text)
+    except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
+        return text
 
 
 def load_model(path: str | Path, parameters: dict[str, Any] | None = None) -> Model:
@@ -68,16 +75,18 @@ def load_model(path: str | Path, parameters: dict[str, Any] | None = None) -> Mo
 
 
 def _check_names(path: str | Path, build: Any, parameters: dict[str, Any]) -> None:
-    known = inspect.signature(build).parameters
-    if any(p.kind is p.VAR_KEYWORD for p in known.values()):
+    try:
+        takes = inspect.signature(build).parameters.values()
+    except (TypeError, ValueError):  # something built in: it will speak for itself
         return
-    wrong = [name for name in parameters if name not in known]
-    if wrong:
-        raise ModelError([f"model script '{path}': build() takes no '{name}'{nearest(name, known)}" for name in wrong])
-    missing = [n for n, p in known.items() if p.default is p.empty and p.kind is not p.VAR_POSITIONAL]
-    missing = [n for n in missing if n not in parameters]
+    known = {p.name: p for p in takes if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+    if not any(p.kind is p.VAR_KEYWORD for p in takes):
+        wrong = [name for name in parameters if name not in known]
+        if wrong:
+            raise ModelError([f"model script '{path}': build() takes no '{n}'{nearest(n, known)}" for n in wrong])
+    missing = [n for n, p in known.items() if p.default is p.empty and n not in parameters]
     if missing:
-        raise ModelError(f"model script '{path}': build() needs -p {missing[0]}=...")
+        raise ModelError(f"model script '{path}': build() needs {' '.join(f'-p {n}=...' for n in missing)}")
 
 
 def _guarded(file: Path, function: Any, *args: Any, **kwargs: Any) -> Any:
@@ -87,15 +96,26 @@ def _guarded(file: Path, function: Any, *args: Any, **kwargs: Any) -> Any:
     except FloatsimError:
         raise
     except (Exception, SystemExit) as error:
-        lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if Path(f.filename) == file]
-        if isinstance(error, SyntaxError) and error.lineno:
+        own = file.resolve()
+        lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if Path(f.filename).resolve() == own]
+        if isinstance(error, SyntaxError) and error.lineno and Path(error.filename or file).resolve() == own:
             lines = [error.lineno]
-        where = f", line {lines[-1]}" if lines else ""
-        raise ModelError(f"model script '{file}'{where}: {type(error).__name__}: {error}") from None
+        where = (f", line {lines[-1]}" if lines else "") + (f", with {_listed(kwargs)}" if kwargs else "")
+        said = " ".join(str(error).split())  # some errors of other packages have many lines
+        said = f"{type(error).__name__}: {said}" if said else type(error).__name__
+        raise ModelError(f"model script '{file}'{where}: {said}") from None
 
 
-def input_hash(path: str | Path, parameters: dict[str, Any], case: dict[str, Any]) -> str:
-    """Hash of everything a run was made from: script, parameters, case."""
+def _listed(parameters: dict[str, Any]) -> str:
+    return ", ".join(f"{name}={value!r}" for name, value in parameters.items())
+
+
+def input_hash(path: str | Path, parameters: dict[str, Any], case: dict[str, Any], model: Model) -> str:
+    """SHA-256 of everything a run was made from: script, parameters, case, hydrodynamic databases."""
     digest = hashlib.sha256(Path(path).read_bytes())
     digest.update(json.dumps([parameters, case], sort_keys=True, default=str).encode())
+    for part in model.parts:
+        database = getattr(getattr(part, "hydro", None), "database", None)
+        if isinstance(database, str | Path):
+            digest.update(Path(database).read_bytes())
     return digest.hexdigest()

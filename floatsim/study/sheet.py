@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
 
+from floatsim.errors import SolveFailed
 from floatsim.frames import Array
 from floatsim.hydro.database import Finding, check_database
 from floatsim.model import Model
@@ -66,8 +68,16 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
         roll = float(C[3, 3] - weight * body.center_of_mass[2])
         pitch = float(C[4, 4] - weight * body.center_of_mass[2])
         heave = float(net[2] / C[2, 2]) if C[2, 2] > 0.0 else float("nan")
-        if net[2] < 0.0 and not C[2, 2] > 0.0:
-            warnings.append(f"sinks: {-net[2] / 1e3:.4g} kN are missing and there is no waterplane to carry them")
+        hull = flow.data.hull_vertices
+        draught = flow.volume * model.sea.density * model.gravity / C[2, 2] if C[2, 2] > 0.0 else 0.0
+        if hull is not None:
+            draught = -float(hull[:, 2].min())
+        if net[2] < 0.0 and not heave > -draught:
+            deeper = f"; it would float {-heave:.3g} m deeper than its draught of {draught:.3g} m" if heave < 0.0 else ""
+            warnings.append(
+                f"sinks: {-net[2] / 1e3:.4g} kN of lift are missing, {-100.0 * net[2] / buoyancy:.3g} % of the "
+                f"buoyancy{deeper or ' and there is no waterplane to carry them'}"
+            )
         elif abs(net[2]) > 0.02 * buoyancy:
             way = "deeper" if net[2] < 0.0 else "higher"
             warnings.append(
@@ -76,8 +86,25 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
             )
         for name, value in (("roll", roll), ("pitch", pitch)):
             if value < 0.0:
-                warnings.append(f"negative metacentric stiffness in {name}: {value:.4g} N m/rad; it capsizes on its own")
+                warnings.append(f"has negative metacentric stiffness in {name}: {value:.4g} N m/rad; it capsizes on its own")
     return BodySheet(body.name, weight, buoyancy, attached, net[:3], net[3:], heave, roll, pitch, tuple(warnings))
+
+
+def cautions(system: System) -> list[str]:
+    """What a user should hear before any result: floaters that sink or capsize, databases with errors, parts that
+    nothing holds."""
+    model = system.model
+    lines = []
+    if model.gravity > 0.0:
+        for name in model.loose():
+            lines.append(f"'{name}' is tied to nothing that is fixed or floats: it falls and has no static equilibrium")
+    if any(isinstance(part, Body) and part.hydro is not None for part in model.parts):
+        with contextlib.suppress(SolveFailed):  # whoever needs the equilibrium will say so
+            lines += [f"body '{sheet.name}' {line}" for sheet in body_sheets(system) for line in sheet.warnings]
+        for name, finding in database_findings(model):
+            if finding.severity == "error":
+                lines.append(f"hydrodynamic database of '{name}', {finding.quantity}: {finding.message}")
+    return lines
 
 
 def dof_table(system: System) -> list[tuple[str, str, int, int]]:

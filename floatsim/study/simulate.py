@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from floatsim.description import is_number
 from floatsim.errors import CaseError, SolveFailed
 from floatsim.frames import Array
 from floatsim.model import Model
@@ -23,7 +24,7 @@ from floatsim.solve.scheme import Scheme
 from floatsim.solve.static import solve_static
 from floatsim.solve.step import Stepper
 from floatsim.study.channels import Sampler
-from floatsim.study.store import Writer
+from floatsim.study.store import Writer, check_path
 from floatsim.system.state import State
 from floatsim.system.system import System, assemble
 
@@ -78,13 +79,45 @@ class Run:
         return self.sampler.dataset(self.time, self.rows)
 
 
+MAX_STEPS = 1e12  # in a run; more is a slip of the pen
+
+
 def positive_seconds(what: str, value: Any) -> float:
     """The value if it is a positive, finite number. Raises CaseError naming it."""
-    if isinstance(value, bool) or not isinstance(value, int | float | np.floating | np.integer):
-        raise CaseError(f"{what} is {value!r}; a positive number of seconds is allowed")
-    if not (math.isfinite(value) and value > 0.0):
-        raise CaseError(f"{what} is {value!r} s; it must be positive")
+    if not is_number(value) or value <= 0.0:
+        raise CaseError(f"{what}: got {value!r}; must be a positive number of seconds")
     return float(value)
+
+
+def as_system(model: Any) -> System:
+    """The assembled system of a model or of itself. Raises CaseError for anything else."""
+    if isinstance(model, System):
+        return model
+    if not isinstance(model, Model):
+        raise CaseError(f"model: got {model!r}; must be a floatsim.Model or a System made by assemble()")
+    return assemble(model)
+
+
+def _check_case(duration: float, dt: float, interval: float | None, output: Any, precision: Any, scheme: Any,
+                tolerance: Any, state: Any) -> tuple[float, float, float]:  # fmt: skip
+    """(duration, dt, interval) [s]. Raises CaseError for what makes no sense, before anything is computed."""
+    duration, dt = positive_seconds("duration", duration), positive_seconds("dt", dt)
+    what, step = ("dt", dt) if interval is None else ("interval", positive_seconds("interval", interval))
+    if step > duration * (1.0 + 1e-9):
+        raise CaseError(f"{what} is {step:g} s, longer than the duration of {duration:g} s: nothing would be kept")
+    if not duration / min(dt, step) < MAX_STEPS:
+        raise CaseError(f"duration is {duration:g} s and dt {min(dt, step):g} s: more than {MAX_STEPS:.0e} steps")
+    if precision not in ("float64", "float32"):
+        raise CaseError(f"precision: got {precision!r}; must be 'float64' or 'float32'")
+    if scheme is not None and not isinstance(scheme, Scheme):
+        raise CaseError(f"scheme: got {scheme!r}; must be generalised_alpha(...), hht(...) or newmark(...)")
+    if not is_number(tolerance) or not 0.0 < tolerance < 1.0:
+        raise CaseError(f"tolerance: got {tolerance!r}; must be a number between 0 and 1")
+    if state is not None and not isinstance(state, State):
+        raise CaseError(f"state: got {state!r}; must be a State, e.g. of solve_static")
+    if output is not None:
+        check_path(output)
+    return duration, dt, step
 
 
 def simulate(
@@ -111,11 +144,17 @@ def simulate(
     Raises CaseError for bad input (before anything is written) and SolveFailed if there is no equilibrium to start
     from. A run that cannot go on returns with status 'failed'.
     """
-    duration, dt = positive_seconds("duration", duration), positive_seconds("dt", dt)
-    interval = dt if interval is None else positive_seconds("interval", interval)
-    if interval > duration * (1.0 + 1e-9):
-        raise CaseError(f"interval is {interval:g} s, longer than the duration of {duration:g} s: nothing would be kept")
-    system = model if isinstance(model, System) else assemble(model)
+    duration, dt, interval = _check_case(duration, dt, interval, output, precision, scheme, tolerance, state)
+    system = as_system(model)
+    sea = system.model.sea
+    lasts = np.inf if sea.waves is None else sea.waves.realise(sea.depth, system.model.gravity).duration
+    if duration > lasts * (1.0 + 1e-9):
+        raise CaseError(
+            f"duration is {duration:g} s, but the waves are only known not to repeat within {lasts:g} s; give the "
+            "irregular waves a longer duration"
+        )
+    if state is not None and (state.x.shape != system.x0.shape or len(state.lam) != system.n_con):
+        raise CaseError(f"state: it belongs to another system than '{system.model.name}'")
     stepper = Stepper(system, scheme, tolerance)
     sampler = Sampler(system, channels)
     if state is None:
@@ -128,6 +167,7 @@ def simulate(
     if now.step == 0.0:
         stepper.start(now, h)
     case: dict[str, str | int | float] = {
+        "title": system.model.name, "water_depth": sea.depth,
         **(attributes or {}), "scheme": stepper.scheme.name, "step": h, "output_interval": interval, "duration": duration,
     }  # fmt: skip
     store = _Memory(sampler.width, outputs + 1) if output is None else Writer(
@@ -151,7 +191,8 @@ def simulate(
                 progress(now.t - t0, loop.iterations)
         store.close("failed" if failure else "done", failure)
     except BaseException as error:
-        store.close("failed", f"{type(error).__name__}: {error}")
+        said = "interrupted" if isinstance(error, KeyboardInterrupt) else f"{type(error).__name__}: {error}"
+        store.close("failed", f"at t = {now.t:.6g} s: {said}")
         raise
     wall = clock.perf_counter() - began
     in_memory = isinstance(store, _Memory)
@@ -167,7 +208,14 @@ class _Memory:
     """Results in memory, with the face of a Writer."""
 
     def __init__(self, width: int, n: int) -> None:
-        self.times, self.rows, self.count = np.zeros(n), np.zeros((n, width)), 0
+        self.count = 0
+        try:
+            self.times, self.rows = np.zeros(n), np.zeros((n, width))
+        except (MemoryError, ValueError):
+            raise CaseError(
+                f"{n} samples of {width} values do not fit into memory; give an output file, a longer interval or "
+                "fewer channels"
+            ) from None
 
     def append(self, time: float, values: Array) -> None:
         self.times[self.count], self.rows[self.count] = time, values

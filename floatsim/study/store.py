@@ -101,7 +101,9 @@ class Writer:
         shapes = [tuple(sizes[d] for d in c.dims) for c in self.channels]
         ends = np.cumsum([0, *(math.prod(s) for s in shapes)])
         self.width = int(ends[-1])
-        _check_path(self.path, None if samples is None else samples * (8 + self.width * np.dtype(precision).itemsize))
+        check_path(self.path)
+        if samples is not None:
+            _check_room(self.path, samples * (8 + self.width * np.dtype(precision).itemsize))
         self._shapes = shapes
         self._columns = [slice(int(a), int(b)) for a, b in zip(ends, ends[1:])]
         self._rows = np.zeros((SAMPLES, self.width))
@@ -233,7 +235,7 @@ def _checked_sizes(channels: Sequence[Channel], coordinates: Sequence[Coordinate
     sizes: dict[str, int] = {}
     problems = []
     if precision not in ("float64", "float32"):
-        problems.append(f"precision: got {precision!r}; 'float64' or 'float32' is allowed")
+        problems.append(f"precision: got {precision!r}; must be 'float64' or 'float32'")
     for item in coordinates:
         size = len(np.asarray(item.values))
         if sizes.setdefault(item.dim, size) != size:
@@ -253,16 +255,49 @@ def _checked_sizes(channels: Sequence[Channel], coordinates: Sequence[Coordinate
     return sizes
 
 
-def _check_path(path: Path, size: int | None) -> None:
+def check_path(path: str | Path) -> None:
+    """Raises CaseError, naming the path, if a result file could not be written there.
+
+    An existing file is replaced if it holds results; other people's files and a model's inputs are not.
+    """
+    if not isinstance(path, str | Path) or not str(path).strip() or "\0" in str(path):
+        raise CaseError(f"output file: got {path!r}; must be the path of the file to write")
+    path = Path(path)
     folder = path.parent
-    if not folder.is_dir():
-        raise CaseError(f"output file '{path}': there is no folder '{folder}'; make it or choose another place")
-    if path.is_dir():
-        raise CaseError(f"output file '{path}' is a folder; give a file name")
-    if not os.access(path if path.exists() else folder, os.W_OK):
-        raise CaseError(f"output file '{path}' cannot be written: no permission; choose another place")
-    free = shutil.disk_usage(folder).free
-    if size is not None and size > free:
+    try:
+        if not folder.is_dir():
+            raise CaseError(f"output file '{path}': there is no folder '{folder}'; make it or choose another place")
+        if path.is_dir():
+            raise CaseError(f"output file '{path}' is a folder; give a file name")
+        if not os.access(path if path.exists() else folder, os.W_OK):
+            raise CaseError(f"output file '{path}' cannot be written: no permission; choose another place")
+        if path.exists() and not path.is_file():
+            raise CaseError(f"output file '{path}' is no ordinary file; choose another place")
+        if path.exists() and not _replaceable(path):
+            raise CaseError(f"output file '{path}' exists and holds no results of a run; choose another name")
+    except OSError as error:  # a name that is too long
+        raise CaseError(f"output file '{path}' cannot be written: {error.strerror}; choose another name") from None
+
+
+def _replaceable(path: Path) -> bool:
+    """Whether an existing file is empty, a result file, or the torso of one."""
+    with path.open("rb") as file:
+        start = file.read(4)
+    if start not in (b"\x89HDF", b""):
+        return False
+    os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(str(path)) as data:
+            return "status" in data.ncattrs()
+    except (OSError, RuntimeError):
+        return True  # killed before its first sync
+
+
+def _check_room(path: Path, size: int) -> None:
+    free = shutil.disk_usage(path.parent).free
+    if size > free:
         raise CaseError(
             f"output file '{path}' would take {size / 1e6:.0f} MB, there is room for {free / 1e6:.0f} MB; "
             "choose fewer channels, a longer interval, float32 or another place"

@@ -163,7 +163,8 @@ class System:
         points = [self.x0[: self.n_point]]
         arms = np.abs(np.concatenate([self.constraints.arms.ravel(), np.zeros(1)]))
         spread = float(np.ptp(np.concatenate(points), axis=0).max()) if self.n_point else 0.0
-        return max(spread, float(arms.max()), 1e-3)
+        sizes = [part.extent for part in self.numbering.parts if hasattr(part, "extent")]
+        return max(spread, float(arms.max()), *sizes, 1e-3)
 
     def work(self) -> Work:
         """Fresh scratch for evaluations."""

@@ -52,6 +52,14 @@ def test_quadratic_damping():
     assert fit.period == pytest.approx(2 * np.pi / 0.3, rel=2e-3)
 
 
+def test_strong_quadratic_damping_within_what_is_stated():
+    t, x = quadratic(zeta=0.0, b=0.08, w=0.3, amplitude=5.0, duration=8 * 2 * np.pi / 0.3, dt=0.1)
+    fit = fit_decay(t, x, 0.0)
+    assert 0.3 < fit.decrement[0] < 0.6
+    assert fit.quadratic_damping == pytest.approx(0.08, rel=0.04)
+    assert abs(fit.damping_ratio) < 0.0015
+
+
 def test_linear_and_quadratic_damping_together():
     t, x = quadratic(zeta=0.03, b=0.02, w=0.22, amplitude=3.0, duration=8 * 2 * np.pi / 0.22, dt=0.1)
     fit = fit_decay(t, x, 0.0)

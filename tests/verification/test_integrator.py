@@ -338,3 +338,46 @@ def test_end_force_is_the_joint_force(record):
     system = pendulum(1.0, 0.0)
     state, _ = fs.solve_static(system)
     assert end_force(system, state, "pivot") == pytest.approx((0.0, 0.0, -2.0 * G), abs=1e-9)
+
+
+# --- corner cases ----------------------------------------------------------------------------------------------
+
+
+def test_free_steady_spin():
+    """No forces and no moments at all: a spin about a principal axis goes on as it is."""
+    body = fs.Body(name="body", mass=3.0, inertia=(2.0, 3.0, 4.0), position=(0, 0, 50), attitude_deg=(20, 30, 40))
+    system = fs.assemble(fs.Model(parts=[body], sea=DRY, gravity=0.0))
+    state = system.initial_state()
+    axis = system.R0[0] @ [0.0, 0.0, 1.0]
+    state.v[:3], state.v[6:9] = (1.0, 2.0, 3.0), 5.0 * axis
+    run(system, state, fs.generalised_alpha(0.6), 0.05, 200, tolerance=1e-6)
+    assert state.v[6:9] == pytest.approx(5.0 * axis, abs=1e-9)
+    assert state.x[0] == pytest.approx((10.0, 20.0, 80.0), abs=1e-9)
+
+
+def test_spring_without_free_length():
+    """With no free length the force is k d, also through the point of no length: omega = sqrt(k/m) about the sag."""
+    m, k, start = 2.0, 50.0, 0.3
+    mass = fs.PointMass(name="m", mass=m, position=(0, 0, 5.0 + start))
+    system = fs.assemble(fs.Model(parts=[mass, fs.Spring(name="s", a="m", b=(0, 0, 5), stiffness=k, free_length=0.0)], sea=DRY))
+    period = 2.0 * np.pi * np.sqrt(m / k)
+    z = run(system, system.initial_state(), fs.generalised_alpha(0.9), period / 200, 100, lambda s: s.x[0, 2] - 5.0)
+    assert z[-1] == pytest.approx(-start - 2.0 * m * G / k, rel=1e-3)
+
+
+def test_rope_never_pushes():
+    """A tension-only spring with a damper, closing fast while still long: the damper alone would push."""
+    mass = fs.PointMass(name="m", mass=2.0, position=(0, 0, 5))
+    rope = fs.Spring(name="s", a="m", b=(0, 0, 7), stiffness=10.0, damping=100.0, free_length=1.9, tension_only=True)
+    system = fs.assemble(fs.Model(parts=[mass, rope], sea=DRY, gravity=0.0))
+    state = system.initial_state()
+    state.v[2] = 1.0
+    run(system, state, fs.generalised_alpha(0.6), 0.01, 5, tolerance=1e-6)
+    assert state.v[2] == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("scheme", [fs.newmark(), fs.generalised_alpha(1.0), fs.generalised_alpha(0.99), fs.hht(0.0)])
+def test_undamped_schemes_are_refused_with_joints(scheme):
+    """Newmark(1/4, 1/2) and rho_inf near 1 oscillate and diverge in the multipliers."""
+    with pytest.raises(fs.CaseError, match="joints"):
+        fs.Stepper(pendulum(), scheme)
