@@ -1,6 +1,6 @@
 """Write docs/verification.md from verification.json, the file in which the tests leave their numbers.
 
-    python docs/make_verification.py
+python docs/make_verification.py
 """
 
 from __future__ import annotations

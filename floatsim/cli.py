@@ -50,7 +50,8 @@ def _load(script: str, parameters: list[str], **case: Any) -> tuple[Any, dict[st
     values = parse_parameters(parameters)
     model = load_model(script, values)
     if cache_is_cold():
-        typer.echo("floatsim: compiling its kernels, once for this version on this machine (up to a minute) ...", err=True)
+        said = "floatsim: compiling its kernels, once for this version on this machine (up to a minute) ..."
+        typer.echo(said, err=True)
     system = floatsim.assemble(model)
     for line in cautions(system):
         typer.echo(f"warning: {line}", err=True)
@@ -116,7 +117,9 @@ def _version(value: bool) -> None:
 
 @app.callback()
 def common(
-    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Version, and exit.")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
 ) -> None:
     """Dynamics of floating wind turbines, wave-energy converters and their moorings and power cables."""
 
@@ -193,11 +196,15 @@ def modes(
 def decay(
     script: Script,
     dof: Annotated[str, typer.Option(help="surge, sway, heave, roll, pitch or yaw.")],
-    offset: Annotated[float, typer.Option(help="From equilibrium: METRES for surge, sway, heave; DEGREES for roll, pitch, yaw.")],
+    offset: Annotated[
+        float, typer.Option(help="From equilibrium: METRES for surge, sway, heave; DEGREES for roll, pitch, yaw.")
+    ],
     p: Parameters = [],  # noqa: B006
     output: Annotated[str | None, typer.Option("-o", help=OUTPUT_HELP)] = None,
     body: Annotated[str | None, typer.Option(help="Body to release, if there are several.")] = None,
-    release: Annotated[str, typer.Option(help="'equilibrium' plus the offset, or 'absolute': drawing position plus it.")] = "equilibrium",
+    release: Annotated[
+        str, typer.Option(help="'equilibrium' plus the offset, or 'absolute': drawing position plus it.")
+    ] = "equilibrium",
     duration: Annotated[float | None, typer.Option(help="Seconds; default eight natural periods.")] = None,
     dt: Annotated[float, typer.Option(help="Time step, seconds.")] = 0.1,
 ) -> None:
@@ -235,7 +242,8 @@ def run(
 ) -> None:
     """Simulate from the static equilibrium and write a netCDF file."""
     _writable(output)
-    system, attributes = _load(script, p, command="run", duration=duration, dt=dt, interval=interval)
+    system, attributes = _load(script, p, command="run", duration=duration, dt=dt, interval=interval,
+                               channels=channel, precision=precision)  # fmt: skip
     with _Bar(duration) as show:
         result = floatsim.simulate(
             system, duration, dt, output=output, interval=interval, channels=channel or "all",
@@ -293,5 +301,11 @@ def main() -> None:
             if said:
                 typer.echo(f"error: {said}", err=True)
             sys.exit(2)
-        raise
+        from floatsim.study.script import blamed
+
+        said = blamed(error)
+        if said is None:
+            raise
+        typer.echo(f"error: {said}", err=True)
+        sys.exit(2)
     sys.exit(status if isinstance(status, int) else 0)

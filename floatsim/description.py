@@ -36,10 +36,19 @@ def _scalar(value: Any) -> Any:
     return value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
 
 
+LARGEST = 1e40  # of any number in SI units; squares and products of such still fit into floating point
+
+
+def _usable(value: Any) -> bool:
+    return is_number(value) and abs(float(value)) <= LARGEST
+
+
 def _number(allowed: str, good: Callable[[float], bool]) -> BeforeValidator:
     def check(value: Any) -> float:
         if not is_number(value) or not good(value):
             raise _Refused(allowed)
+        if abs(float(value)) > LARGEST:
+            raise _Refused(f"{allowed} of at most {LARGEST:g}")
         return float(value)
 
     return BeforeValidator(check)
@@ -61,7 +70,7 @@ def numbers(allowed: str, *lengths: int) -> BeforeValidator:
 
     def check(value: Any) -> tuple[float, ...]:
         row = _row(value)
-        if row is None or (lengths and len(row) not in lengths) or not all(map(is_number, row)):
+        if row is None or (lengths and len(row) not in lengths) or not all(map(_usable, row)):
             raise _Refused(allowed)
         return tuple(float(y) for y in row)
 
@@ -70,7 +79,7 @@ def numbers(allowed: str, *lengths: int) -> BeforeValidator:
 
 def _matrix6(value: Any) -> tuple[tuple[float, ...], ...]:
     rows = [_row(line) for line in _row(value) or ()]
-    if len(rows) != 6 or not all(row is not None and len(row) == 6 and all(map(is_number, row)) for row in rows):
+    if len(rows) != 6 or not all(row is not None and len(row) == 6 and all(map(_usable, row)) for row in rows):
         raise _Refused("6 rows of 6 finite numbers")
     return tuple(tuple(float(y) for y in row or ()) for row in rows)
 
@@ -86,7 +95,7 @@ def _target(value: Any) -> Any:
     if isinstance(value, str):
         return value
     row = _row(value)
-    if row is None or len(row) != 3 or not all(map(is_number, row)):
+    if row is None or len(row) != 3 or not all(map(_usable, row)):
         raise _Refused("the name of a connection point or a fixed point (x, y, z)")
     return tuple(float(y) for y in row)
 
@@ -127,7 +136,8 @@ class Description(BaseModel):
             raise ModelError(_sentences(type(self), data, error)) from None
 
     def __setattr__(self, name: str, value: Any) -> None:
-        raise ModelError(f"{_label(type(self), dict(self))}: '{name}' cannot be changed; build a new {type(self).__name__}")
+        label = _label(type(self), dict(self))
+        raise ModelError(f"{label}: '{name}' cannot be changed; build a new {type(self).__name__}")
 
     def model_copy(self, *, update: Any = None, deep: bool = False) -> Any:
         """A copy with some values changed, checked like a new one."""

@@ -104,7 +104,9 @@ class Model(Description):
         return ends
 
     @staticmethod
-    def _where(target: Any, targets: dict[str, tuple[Any, str]], placed: dict[str, tuple[Array, Array]]) -> Array | None:
+    def _where(
+        target: Any, targets: dict[str, tuple[Any, str]], placed: dict[str, tuple[Array, Array]]
+    ) -> Array | None:
         """Drawing position (3,) of a connection point's name or of fixed coordinates; None while it is unknown."""
         if not isinstance(target, str):
             return np.asarray(target, dtype=float)

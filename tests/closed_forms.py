@@ -42,7 +42,8 @@ def elastic_catenary(
         for H0 in np.geomspace(1e-3, 1e5, 33) * w * length:
             y, info, ok, _ = fsolve(
                 lambda y: np.subtract(form(np.exp(y[0]), y[1] * w * length), (x, z)) / length,
-                (np.log(H0), V0 / (w * length) + H0 * z / (x * w * length) * (not seabed)), full_output=True, xtol=1e-13,
+                (np.log(H0), V0 / (w * length) + H0 * z / (x * w * length) * (not seabed)),
+                full_output=True, xtol=1e-13,
             )  # fmt: skip
             gap = np.abs(info["fvec"]).max()
             if gap < best:

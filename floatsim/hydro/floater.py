@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floatsim.description import Description, Matrix6, Positive
 from floatsim.errors import ModelError
@@ -31,6 +32,8 @@ from floatsim.hydro.database import HydroDatabase, require_match
 from floatsim.hydro.excitation import Excitation
 from floatsim.hydro.radiation import RadiationHistory, RadiationKernel
 from floatsim.jit import kernel
+
+Index = NDArray[np.int64]
 
 MAX_MEMORY = 100_000  # intervals of the radiation memory; more is a slip of the pen
 ZERO6: tuple[tuple[float, ...], ...] = tuple((0.0,) * 6 for _ in range(6))
@@ -62,7 +65,7 @@ class PotentialFlow(Description):
         broken = [name for name, value in vars(self.data).items()
                   if isinstance(value, np.ndarray) and not np.isfinite(value).all()]  # fmt: skip
         if broken:
-            raise ModelError(f"hydrodynamic database '{self.data.name}': {', '.join(broken)} contain NaN or infinity")
+            raise ModelError(f"hydrodynamic database '{self.data.name}': NaN or infinity in {', '.join(broken)}")
         if self.memory / self.memory_grid > MAX_MEMORY:
             raise ModelError(
                 f"PotentialFlow: memory of {self.memory:g} s on a grid of {self.memory_grid:g} s has more than "
@@ -249,11 +252,11 @@ class FloaterBatch:
         places = [numbering.place(part.body.name) for part in self.parts]
         self.where = np.array([[p.point, p.rotation] for p in places], dtype=np.int64)
 
-    def dofs(self, n_point: int) -> list[Array]:
+    def dofs(self, n_point: int) -> list[Index]:
         xyz, w = np.arange(3), self.where
         return [np.concatenate([3 * w[:, :1] + xyz, 3 * (n_point + 1) + 3 * w[:, 1:] + xyz], axis=1)]
 
-    def bind(self, slots: list[Array]) -> None:
+    def bind(self, slots: list[Index]) -> None:
         (self._slots,) = slots
 
     def start(self, state: Any) -> list[RadiationHistory]:
@@ -277,7 +280,7 @@ class FloaterBatch:
         floater_loads(w.x, w.q, w.v, w.a, w.u, w.c, self.where, self.P, self.matrices, self.external, self.nu,
                       self._slots, self._Y, self._L, self._K, w.A, w.r, w.s)  # fmt: skip
 
-    def frequency_terms(self, omega: float, n_point: int) -> tuple[Array, Array, Array]:
+    def frequency_terms(self, omega: float, n_point: int) -> tuple[Index, Array, Array]:
         """Unknowns (n, 6), A(w) - A_inf and B(w) (n, 6, 6) in world axes at omega [rad/s]."""
         masses, dampings = [], []
         for b, part in enumerate(self.parts):

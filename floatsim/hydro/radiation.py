@@ -237,8 +237,7 @@ class RadiationHistory:
 
         t_new = t_n gives the force at t_n itself, with a zero tangent. Raises ValueError if t_new < t_n.
         """
-        if t_new < self.last[_TN]:
-            raise ValueError(f"radiation memory: asked for t = {t_new} s, the history already ends at {self.time} s")
+        t_new = self._not_before(t_new, "asked for")
         _prepare(
             self._weights,
             self._near,
@@ -252,14 +251,19 @@ class RadiationHistory:
         )
         return self.constant
 
+    def _not_before(self, t_new: float, what: str) -> float:
+        """t_new, or t_n where t_new is earlier by the round-off of a time that was summed up another way."""
+        if t_new < self.time - _SNAP * self._grid:
+            raise ValueError(f"radiation memory: {what} t = {t_new} s, the history already ends at {self.time} s")
+        return max(t_new, self.time)
+
     def force(self, v_trial: Array) -> Array:
         """Memory force (d,) at the time last prepared, for the velocity v_trial (d,) there; N, N m."""
         return self.constant - self.tangent @ v_trial
 
     def commit(self, t_new: float, v_new: Array) -> None:
         """Accept the velocity v_new (d,) at t_new, after t_n or (replacing v_n) at it. ValueError if before."""
-        if t_new < self.last[_TN]:
-            raise ValueError(f"radiation memory: commit at t = {t_new} s, the history already ends at {self.time} s")
+        t_new = self._not_before(t_new, "commit at")
         _commit(self.ring, self.last, self._grid, t_new, np.ascontiguousarray(v_new, dtype=np.float64))
 
     def arrays(self) -> dict[str, Array]:

@@ -19,9 +19,12 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, unit, vec
 from floatsim.jit import kernel
+
+Index = NDArray[np.int64]
 
 
 class Place(NamedTuple):
@@ -190,7 +193,7 @@ class Constraints:
     def driven(self) -> bool:
         return bool(self._driven or self._driven_axes)
 
-    def dofs(self, n_point: int, n_dof: int) -> list[Array]:
+    def dofs(self, n_point: int, n_dof: int) -> list[Index]:
         """Unknowns coupled by each row; n_dof: where multipliers start."""
         xyz, base = np.arange(3), 3 * (n_point + 1)
         w, n = self.where, len(self.where)
@@ -202,7 +205,7 @@ class Constraints:
                                      axis=1))  # fmt: skip
         return tables
 
-    def bind(self, slots: list[Array]) -> None:
+    def bind(self, slots: list[Index]) -> None:
         self._slots, self._align_slots = slots
 
     def add(self, w: Any) -> None:

@@ -36,7 +36,7 @@ class Motion:
     def __init__(self, position: Function, velocity: Function, acceleration: Function) -> None:
         for name, function in zip(("position", "velocity", "acceleration"), (position, velocity, acceleration)):
             if not callable(function):
-                raise ModelError(f"Motion: {name}: got {function!r}; must be a function of time, see also Motion.from_series")
+                raise ModelError(f"Motion: {name}: got {function!r}; must be a function of time (or use from_series)")
         self._functions = (position, velocity, acceleration)
         first = _values(position, "position", 0.0)
         if first.shape not in ((3,), (6,)):
@@ -94,7 +94,8 @@ class Motion:
                     )
 
     def _columns(self, t: float) -> list[Array]:
-        return [np.asarray(f(t), dtype=float) for f in self._functions]
+        names = ("position", "velocity", "acceleration")
+        return [_values(f, name, t) for f, name in zip(self._functions, names, strict=True)]
 
     def translation(self, t: float) -> tuple[Array, Array, Array]:
         """Position [m], velocity and acceleration of the point, world axes."""
@@ -154,7 +155,8 @@ class Prescribed(Description):
         if self.motion.columns == 6:
             if attitude(a.rotation) is None:
                 raise ModelError(
-                    f"Prescribed '{self.label}': the motion has 6 columns but '{self.a}' has no rotation; give 3 columns"
+                    f"Prescribed '{self.label}': the motion has 6 columns but '{self.a}' has no rotation; "
+                    "give 3 columns"
                 )
             rows += weld_axes(a, ground, np.eye(3), np.eye(3), self.motion)
         return rows

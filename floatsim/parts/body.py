@@ -17,11 +17,14 @@ from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
 from floatsim.description import Description, Name, Positive, Vector3, numbers
 from floatsim.frames import Array, at, cross, dot, matrix_from_angles, minus, plus, rotate, times, unit, unrotate
 from floatsim.jit import kernel
+
+Index = NDArray[np.int64]
 
 Inertia = Annotated[tuple[float, ...], numbers("3 finite numbers (xx, yy, zz) or 6 (xx, yy, zz, xy, xz, yz)", 3, 6)]
 
@@ -132,7 +135,7 @@ def rigid_bodies(x, R, v, a, c, points, rots, P, slots, K, A, r, s):  # type: ig
             abs(mom[0]) + abs(mom[1]) + abs(mom[2])
             + m * abs(g) * (abs(rc[0]) + abs(rc[1]) + abs(rc[2]))
             + abs(Ja[0]) + abs(Ja[1]) + abs(Ja[2])
-            + 1e-3 * math.sqrt(dot(w, w) * dot(Jw, Jw))  # a free steady spin has no moments: something to be small against
+            + 1e-3 * math.sqrt(dot(w, w) * dot(Jw, Jw))  # a free steady spin has no moments at all
         )  # fmt: skip
         for n in range(3):
             e = unit(n)
@@ -189,11 +192,11 @@ class BodyBatch:
         )
         self._K = np.zeros((6, 6))
 
-    def dofs(self, n_point: int) -> list[Array]:
-        xyz = np.arange(3)
-        return [np.concatenate([3 * self.points[:, None] + xyz, 3 * (n_point + 1) + 3 * self.rots[:, None] + xyz], axis=1)]
+    def dofs(self, n_point: int) -> list[Index]:
+        xyz, base = np.arange(3), 3 * (n_point + 1)
+        return [np.concatenate([3 * self.points[:, None] + xyz, base + 3 * self.rots[:, None] + xyz], axis=1)]
 
-    def bind(self, slots: list[Array]) -> None:
+    def bind(self, slots: list[Index]) -> None:
         (self._slots,) = slots
 
     def add(self, w: Any) -> None:

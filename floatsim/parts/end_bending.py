@@ -11,12 +11,15 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floatsim.description import Description, Vector3
 from floatsim.errors import ModelError
 from floatsim.frames import Array, at, cross, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
 from floatsim.parts.line import Line, bend
+
+Index = NDArray[np.int64]
 
 
 class EndBending(Description):
@@ -100,16 +103,16 @@ def end_bending(x, R, v, c, where, E, slots, f, Kb, Cb, K, A, r, s, moment):  # 
 @kernel
 def _apply(Kb, Cb, c, dda, ddb, dva):  # type: ignore[no-untyped-def]
     """(cK K + cC C)(dd_a, dd_b) + cK C (dv_a, 0): change of the gradient by (d_a, d_b)."""
-    out0 = out1 = out2 = out3 = out4 = out5 = 0.0
+    y0 = y1 = y2 = y3 = y4 = y5 = 0.0
     for j in range(3):
         a, b, da = dda[j], ddb[j], c[2] * dva[j]
-        out0 += (c[2] * Kb[0, j] + c[1] * Cb[0, j]) * a + (c[2] * Kb[0, 3 + j] + c[1] * Cb[0, 3 + j]) * b + Cb[0, j] * da
-        out1 += (c[2] * Kb[1, j] + c[1] * Cb[1, j]) * a + (c[2] * Kb[1, 3 + j] + c[1] * Cb[1, 3 + j]) * b + Cb[1, j] * da
-        out2 += (c[2] * Kb[2, j] + c[1] * Cb[2, j]) * a + (c[2] * Kb[2, 3 + j] + c[1] * Cb[2, 3 + j]) * b + Cb[2, j] * da
-        out3 += (c[2] * Kb[3, j] + c[1] * Cb[3, j]) * a + (c[2] * Kb[3, 3 + j] + c[1] * Cb[3, 3 + j]) * b + Cb[3, j] * da
-        out4 += (c[2] * Kb[4, j] + c[1] * Cb[4, j]) * a + (c[2] * Kb[4, 3 + j] + c[1] * Cb[4, 3 + j]) * b + Cb[4, j] * da
-        out5 += (c[2] * Kb[5, j] + c[1] * Cb[5, j]) * a + (c[2] * Kb[5, 3 + j] + c[1] * Cb[5, 3 + j]) * b + Cb[5, j] * da
-    return (out0, out1, out2, out3, out4, out5)
+        y0 += (c[2] * Kb[0, j] + c[1] * Cb[0, j]) * a + (c[2] * Kb[0, 3 + j] + c[1] * Cb[0, 3 + j]) * b + Cb[0, j] * da
+        y1 += (c[2] * Kb[1, j] + c[1] * Cb[1, j]) * a + (c[2] * Kb[1, 3 + j] + c[1] * Cb[1, 3 + j]) * b + Cb[1, j] * da
+        y2 += (c[2] * Kb[2, j] + c[1] * Cb[2, j]) * a + (c[2] * Kb[2, 3 + j] + c[1] * Cb[2, 3 + j]) * b + Cb[2, j] * da
+        y3 += (c[2] * Kb[3, j] + c[1] * Cb[3, j]) * a + (c[2] * Kb[3, 3 + j] + c[1] * Cb[3, 3 + j]) * b + Cb[3, j] * da
+        y4 += (c[2] * Kb[4, j] + c[1] * Cb[4, j]) * a + (c[2] * Kb[4, 3 + j] + c[1] * Cb[4, 3 + j]) * b + Cb[4, j] * da
+        y5 += (c[2] * Kb[5, j] + c[1] * Cb[5, j]) * a + (c[2] * Kb[5, 3 + j] + c[1] * Cb[5, 3 + j]) * b + Cb[5, j] * da
+    return (y0, y1, y2, y3, y4, y5)
 
 
 class EndBendingBatch:
@@ -145,11 +148,11 @@ class EndBendingBatch:
         self.where = np.array(where, dtype=np.int64)
         self.E = np.array(E, dtype=float)
 
-    def dofs(self, n_point: int) -> list[Array]:
+    def dofs(self, n_point: int) -> list[Index]:
         xyz, base, w = np.arange(3), 3 * (n_point + 1), self.where
         return [np.concatenate([base + 3 * w[:, :1] + xyz, 3 * w[:, 1:2] + xyz, 3 * w[:, 2:] + xyz], axis=1)]
 
-    def bind(self, slots: list[Array]) -> None:
+    def bind(self, slots: list[Index]) -> None:
         (self._slots,) = slots
 
     def add(self, w: Any) -> None:

@@ -28,6 +28,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
 from floatsim.description import Description, Name, NonNegative, Positive, PositiveInt, Vector3
@@ -36,8 +37,10 @@ from floatsim.jit import kernel
 from floatsim.laws.angle import half_angle_squared
 from floatsim.laws.green import green_linear
 
+Index = NDArray[np.int64]
+
 # rows of the element parameter array
-L0, EA, CA, MASS, AREA, CDN, CDT, CAN, CAT, DIA, SOFT = range(11)
+L0, EA, CA, MASS, AREA, CDN, CDT, CAN, CAT, DIA = range(10)
 # entries of the surroundings array
 RHO, GRAVITY, BED, BED_K, BED_C, BED_PEN = range(6)
 
@@ -133,7 +136,7 @@ class Line(Description):
         return {"end_a": (0, -1, zero), "end_b": (self.n_points - 1, -1, zero)}
 
     @property
-    def nodes(self) -> Array:
+    def nodes(self) -> Index:
         """Local points that stand for the line's nodes 0..elements (one per shared position)."""
         if self.form == "shared":
             return np.arange(self.elements + 1)
@@ -275,8 +278,7 @@ def line_elements(x, v, a, u, c, nodes, P, env, slots, Ke, A, r, s):  # type: ig
         half = 0.5 * l0
         dv = minus(at(v, 3 * j), at(v, 3 * i))
         strain, rate = 0.5 * (l2 / (l0 * l0) - 1.0), dot(d, dv) / (l0 * l0)
-        stiff = P[EA, e] if c[5] == 0.0 else P[EA, e] * P[SOFT, e] ** c[5]
-        N, dN, dR = green_linear(stiff, P[CA, e], strain, rate, c[4])
+        N, dN, dR = green_linear(min(P[EA, e], c[5]), P[CA, e], strain, rate, c[4])
 
         # axial: f = N d/l0;  df/dx = dN d d^T/l0^3 + dR d dv^T/l0^3 + N/l0 I;  df/dv = dR d d^T/l0^3
         w0 = N / l0
@@ -498,35 +500,32 @@ def line_angles(x, pairs, angle):  # type: ignore[no-untyped-def]
         angle[e] = math.atan2(math.sqrt(dot(n, n)), dot(da, db))
 
 
-def softening(line: Line, gravity: float) -> float:
-    """Share of EA with which a static solve starts: strains of about 2 % under the line's own weight."""
-    weight = line.section.mass_per_length * gravity * line.length
-    return min(1.0, 50.0 * weight / line.section.EA) if weight > 0.0 else 1.0
-
-
 class LineBatch:
     """All lines of a system in one batch: one compiled call evaluates every element of every line."""
 
     def __init__(self, parts: Sequence[Line], first_point: Sequence[int], first_rotation: Sequence[int],
                  sea: Any, gravity: float) -> None:  # fmt: skip
         self.parts = tuple(parts)
-        nodes, columns, pairs, bending = [], [], [], []
+        nodes: list[Index] = []
+        pairs: list[Index] = []
+        columns, bending = [], []
         self.elements_of: list[slice] = []
         self.pairs_of: list[slice] = []
-        self.nodes_of: list[Array] = []
+        self.nodes_of: list[Index] = []
         for line, p0 in zip(parts, first_point, strict=True):
             n, sec, l0 = line.elements, line.section, line.length / line.elements
             step = 1 if line.form == "shared" else 2
             start = p0 + step * np.arange(n)
             own = np.stack([start, start + 1], axis=1)
-            self.elements_of.append(slice(sum(map(len, nodes)), sum(map(len, nodes)) + n))
+            first = sum(len(item) for item in nodes)
+            self.elements_of.append(slice(first, first + n))
             nodes.append(own)
             column = (l0, sec.EA, sec.damping(l0), sec.mass_per_length, sec.area, sec.drag_normal,
-                      sec.drag_tangential, sec.added_mass_normal, sec.added_mass_tangential, sec.diameter,
-                      softening(line, gravity))  # fmt: skip
+                      sec.drag_tangential, sec.added_mass_normal, sec.added_mass_tangential, sec.diameter)  # fmt: skip
             columns.append(np.repeat(np.array(column)[:, None], n, axis=1))
             both = np.concatenate([own[:-1], own[1:]], axis=1)
-            self.pairs_of.append(slice(sum(map(len, pairs)), sum(map(len, pairs)) + n - 1))
+            first = sum(len(item) for item in pairs)
+            self.pairs_of.append(slice(first, first + n - 1))
             pairs.append(both)
             bending.append(np.repeat([[sec.EI / l0], [sec.bending_damping / l0]], n - 1, axis=1))
             self.nodes_of.append(p0 + line.nodes)
@@ -544,14 +543,14 @@ class LineBatch:
                      if line.form == "shared" and line.elements > 1]  # fmt: skip
         self._Ke, self._K, self._C, self._f = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((6, 6)), np.zeros(6)
 
-    def dofs(self, n_point: int) -> list[Array]:
+    def dofs(self, n_point: int) -> list[Index]:
         """Unknowns that each element couples, one table per kind of element."""
         xyz = np.arange(3)
         tables = [(3 * self.nodes[:, :, None] + xyz).reshape(len(self.nodes), 6)]
         tables.append((3 * self.pairs[:, :, None] + xyz).reshape(len(self.pairs), 12))
         return tables
 
-    def bind(self, slots: list[Array]) -> None:
+    def bind(self, slots: list[Index]) -> None:
         self._slots, self._bend_slots = slots
 
     def add(self, w: Any) -> None:

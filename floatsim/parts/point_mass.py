@@ -6,10 +6,13 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floatsim.description import Description, Name, Positive, Vector3
 from floatsim.frames import Array
 from floatsim.jit import kernel
+
+Index = NDArray[np.int64]
 
 
 class PointMass(Description):
@@ -67,10 +70,10 @@ class PointMassBatch:
         self.points = np.array(first_point, dtype=np.int64)
         self.P = np.array([[p.mass, gravity] for p in parts], dtype=float)
 
-    def dofs(self, n_point: int) -> list[Array]:
+    def dofs(self, n_point: int) -> list[Index]:
         return [3 * self.points[:, None] + np.arange(3)]
 
-    def bind(self, slots: list[Array]) -> None:
+    def bind(self, slots: list[Index]) -> None:
         (self._slots,) = slots
 
     def add(self, w: Any) -> None:

@@ -15,10 +15,13 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floatsim.description import Description, Name, NonNegative, Target
 from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
+
+Index = NDArray[np.int64]
 
 
 class Spring(Description):
@@ -113,7 +116,8 @@ def springs(x, R, v, c, where, arms, P, slots, K, A, r, s, force):  # type: igno
                     dd, ddv, rate_v = db, cross(wb, db), db
                 dl = dot(t, dd)
                 turn = minus(dd, times(dl, t))  # l dt
-                dF = c[2] * (k * dl + cd * ((dot(turn, dv) / l if l > 0.0 else 0.0) + dot(t, ddv))) + c[1] * cd * dot(t, rate_v)
+                turning = dot(turn, dv) / l if l > 0.0 else 0.0
+                dF = c[2] * (k * dl + cd * (turning + dot(t, ddv))) + c[1] * cd * dot(t, rate_v)
                 df = plus(times(dF, t), times(c[2] * across, turn))
                 dma = plus(cross(aa, df), times(c[2], cross(da, f)))
                 dmb = plus(cross(ab, df), times(c[2], cross(db, f)))
@@ -148,13 +152,13 @@ class SpringBatch:
         self.where = np.array([[a.point, a.rotation, b.point, b.rotation] for a, b in ends], dtype=np.int64)
         self.arms = np.array([[*a.arm, *b.arm] for a, b in ends], dtype=float)
 
-    def dofs(self, n_point: int) -> list[Array]:
+    def dofs(self, n_point: int) -> list[Index]:
         xyz, base = np.arange(3), 3 * (n_point + 1)
         w = self.where
         return [np.concatenate([3 * w[:, :1] + xyz, base + 3 * w[:, 1:2] + xyz,
                                 3 * w[:, 2:3] + xyz, base + 3 * w[:, 3:4] + xyz], axis=1)]  # fmt: skip
 
-    def bind(self, slots: list[Array]) -> None:
+    def bind(self, slots: list[Index]) -> None:
         (self._slots,) = slots
 
     def add(self, w: Any) -> None:

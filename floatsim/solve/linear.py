@@ -23,6 +23,8 @@ from floatsim.system.layout import Layout
 
 log = logging.getLogger("floatsim")
 
+SMALL_PIVOT = 1e-5  # of its row: below this a band without pivoting loses too many digits
+
 
 @kernel
 def _factor_band(A, o, n, b):  # type: ignore[no-untyped-def]
@@ -35,7 +37,7 @@ def _factor_band(A, o, n, b):  # type: ignore[no-untyped-def]
         last = min(b, n - 1 - k)
         for j in range(1, last + 1):
             size = max(size, abs(A[row + j]))
-        if not abs(pivot) > 1e-13 * size:
+        if not abs(pivot) > SMALL_PIVOT * size:
             return 1
         inv = 1.0 / pivot
         for i in range(1, last + 1):

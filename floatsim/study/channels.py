@@ -77,6 +77,11 @@ class _Entry:
     weights: Array
     offset: Array
 
+    def same_as(self, other: _Entry) -> bool:
+        """Whether both are the same numbers."""
+        pairs = zip((self.rows, self.sources, self.weights), (other.rows, other.sources, other.weights))
+        return all(np.array_equal(a, b) for a, b in pairs)
+
 
 class Sampler:
     """Chosen channels of a system and their samples.
@@ -91,8 +96,10 @@ class Sampler:
         entries: dict[str, _Entry] = {}
         self._coordinates: list[Coordinate] = []
         for channel, index, weight, offset in self._everything():
-            if channel.name not in entries:  # a joint named after the only line end it holds: the same force
-                entries[channel.name] = _entry(channel, index, weight, offset)
+            entry = _entry(channel, index, weight, offset)
+            # a joint named after the only line end it holds has the same force; anything else must differ in name
+            if not entry.same_as(entries.setdefault(channel.name, entry)):
+                raise CaseError(f"output '{channel.name}' would stand for two things; rename a part or a joint")
         chosen = [entries[name] for name in _selection(names, entries)]
         self.channels = tuple(entry.channel for entry in chosen)
         used = {dim for channel in self.channels for dim in channel.dims}

@@ -73,7 +73,7 @@ def decay_test(
     if dof not in DOFS:
         raise CaseError(f"decay: there is no degree of freedom '{dof}'{nearest(str(dof), DOFS)}")
     if not is_number(offset) or offset == 0.0:
-        raise CaseError(f"decay: offset: got {offset!r}; must be a number other than zero (m, or degrees for rotations)")
+        raise CaseError(f"decay: offset: got {offset!r}; must be a number other than zero, m or (rotations) degrees")
     if DOFS.index(dof) >= 3 and abs(offset) >= 90.0:
         raise CaseError(f"decay: offset: got {offset:g} degrees of {dof}; must be less than 90 degrees either way")
     if release not in ("equilibrium", "absolute"):
@@ -88,15 +88,18 @@ def decay_test(
     index = DOFS.index(dof)
     rest, _ = solve_static(system)
     at_rest = pose(system, rest, name)
-    if duration is None:
-        duration = DEFAULT_PERIODS * _period(system, rest, f"{name} {dof}")
-    duration = positive_seconds("duration", duration)
     start = at_rest.copy() if release == "equilibrium" else np.zeros(6)
     start[index] += offset if index < 3 else np.radians(offset)
     if release == "absolute" and index >= 3:
         start[3:] += np.radians(system.numbering.parts[system.numbering.index(name)].attitude_deg)
-    displaced, _ = solve_static(system, displace(system, rest, name, start), hold=[name])
-    settings = {"decay_body": name, "decay_dof": dof, "decay_offset": float(offset), "decay_release": release}
+    released = displace(system, rest, name, start)
+    _check_joints(system, released, name)
+    if duration is None:
+        duration = DEFAULT_PERIODS * _period(system, rest, f"{name} {dof}")
+    displaced, _ = solve_static(system, released, hold=[name])
+    settings: dict[str, Any] = {
+        "decay_body": name, "decay_dof": dof, "decay_offset": float(offset), "decay_release": release,
+    }  # fmt: skip
     run = run_or_raise(simulate(
         system, duration, dt, state=displaced, output=output, channels=channels, scheme=scheme,
         attributes={**(attributes or {}), **settings}, progress=progress,
@@ -123,6 +126,25 @@ def displace(system: System, state: State, body: str, where: Array) -> State:
     new.x[p] = system.x0[p] + where[:3]
     new.q[k] = quaternion_from_matrix(matrix_from_angles(*where[3:]))
     return new
+
+
+def _check_joints(system: System, state: State, body: str) -> None:
+    """Raises CaseError if a joint is opened by the pose of `body` and no other part could close it again."""
+    if system.n_con == 0:
+        return
+    w = system.work()
+    system.load(w, state)
+    system.constraints.move(state.t)
+    G = system.jacobian(w)
+    gap = np.abs(w.r[system.n_dof :])
+    others = np.delete(G, system.unknowns_of([body]), axis=1)
+    stuck = np.flatnonzero((gap > 1e-6 * system.length) & ~others.any(axis=1))
+    if len(stuck):
+        worst = int(stuck[np.argmax(gap[stuck])])
+        raise CaseError(
+            f"decay: '{body}' cannot be released from this offset: joint '{system.row_name(worst)}' would be open by "
+            f"{gap[worst]:.4g} m (or rad); choose a degree of freedom that the joint leaves free"
+        )
 
 
 def _indices(system: System, body: str) -> tuple[int, int]:

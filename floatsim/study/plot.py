@@ -27,6 +27,8 @@ def plot_file(path: str | Path, out_png: str | Path) -> None:
     matplotlib.use("Agg", force=False)
     from matplotlib.figure import Figure
 
+    if Path(out_png).is_dir():
+        raise CaseError(f"picture '{out_png}' is a folder; give a file name")
     data = _opened(Path(path))
     try:
         panels = [*_motion_panels(data), *_wave_panel(data), *_line_panels(data), *_solver_panels(data)]
@@ -50,7 +52,8 @@ def plot_file(path: str | Path, out_png: str | Path) -> None:
         try:
             figure.savefig(out_png, dpi=130)
         except (OSError, ValueError) as error:
-            raise CaseError(f"picture '{out_png}' cannot be written: {error}") from None
+            said = error.strerror if isinstance(error, OSError) else error
+            raise CaseError(f"picture '{out_png}' cannot be written: {said}") from None
     finally:
         data.close()
 
@@ -62,8 +65,8 @@ def _opened(path: Path) -> Any:
         raise CaseError(f"there is no result file '{path}'")
     try:
         data = xarray.open_dataset(path)
-    except (OSError, ValueError, RuntimeError) as error:
-        raise CaseError(f"'{path}' is not a netCDF file that can be read: {error}") from None
+    except (OSError, ValueError, RuntimeError):
+        raise CaseError(f"'{path}' is not a netCDF file that can be read") from None
     if data.sizes.get("time", 0) == 0:
         data.close()
         raise CaseError(f"'{path}' holds no samples (yet)")

@@ -63,9 +63,10 @@ def decay_tables(result: DecayTest) -> list[Table]:
         summary.append(["expected by the model's source", f"{result.expected_period:.3f} s"])
         summary.append(["first cycle against it", f"{off:+.2f} %"])
     low, high = fit.amplitudes
+    quadratic = "" if fit.quadratic_damping is None else f"{fit.quadratic_damping:.5g} 1/{unit}"
     summary += [
         ["linear damping ratio", f"{100.0 * fit.damping_ratio:.3f} %"],
-        ["quadratic damping, b of b |x'| x'", "" if fit.quadratic_damping is None else f"{fit.quadratic_damping:.5g} 1/{unit}"],
+        ["quadratic damping, b of b |x'| x'", quadratic],
         ["fitted over amplitudes", f"{low:.3g} to {high:.3g} {unit}"],
     ]
     title = f"{result.dof} decay of '{result.body}' from {result.offset:g} {unit} about {result.equilibrium:.4f} {unit}"

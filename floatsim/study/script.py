@@ -17,6 +17,8 @@ from typing import Any
 from floatsim.errors import CaseError, FloatsimError, ModelError, nearest
 from floatsim.model import Model
 
+_PREFIX = "floatsim_model_"  # of the module names of scripts
+
 
 def parse_parameters(pairs: Sequence[str]) -> dict[str, Any]:
     """`name=value` strings -> values: numbers, True, False, None, tuples; anything else stays text."""
@@ -56,7 +58,7 @@ def load_model(path: str | Path, parameters: dict[str, Any] | None = None) -> Mo
         raise ModelError(f"model script '{path}': there is no such file")
     if file.suffix != ".py":
         raise ModelError(f"model script '{path}': a Python file (.py) with a build() is needed")
-    spec = importlib.util.spec_from_file_location(f"floatsim_model_{file.stem}", file)
+    spec = importlib.util.spec_from_file_location(_PREFIX + file.stem, file)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.path.insert(0, str(file.parent.resolve()))  # scripts may import their neighbours
@@ -104,6 +106,18 @@ def _guarded(file: Path, function: Any, *args: Any, **kwargs: Any) -> Any:
         said = " ".join(str(error).split())  # some errors of other packages have many lines
         said = f"{type(error).__name__}: {said}" if said else type(error).__name__
         raise ModelError(f"model script '{file}'{where}: {said}") from None
+
+
+def blamed(error: BaseException) -> str | None:
+    """`model script 'x.py', line 3: ...` if an error arose in code of a model script that was called later, such as
+    a spectrum of the user's own; else None."""
+    frames = [(frame, line) for frame, line in traceback.walk_tb(error.__traceback__)
+              if str(frame.f_globals.get("__name__")).startswith(_PREFIX)]  # fmt: skip
+    if not frames:
+        return None
+    frame, line = frames[-1]
+    said = " ".join(str(error).split())
+    return f"model script '{Path(frame.f_code.co_filename).name}', line {line}: {type(error).__name__}: {said}"
 
 
 def _listed(parameters: dict[str, Any]) -> str:

@@ -73,11 +73,15 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
         if hull is not None:
             draught = -float(hull[:, 2].min())
         if net[2] < 0.0 and not heave > -draught:
-            deeper = f"; it would float {-heave:.3g} m deeper than its draught of {draught:.3g} m" if heave < 0.0 else ""
+            why = "there is no waterplane to carry them"
+            if heave < 0.0:
+                why = f"it would float {-heave:.3g} m deeper, more than its draught of {draught:.3g} m"
             warnings.append(
                 f"sinks: {-net[2] / 1e3:.4g} kN of lift are missing, {-100.0 * net[2] / buoyancy:.3g} % of the "
-                f"buoyancy{deeper or ' and there is no waterplane to carry them'}"
+                f"buoyancy; {why}"
             )
+        elif abs(net[2]) > 0.02 * buoyancy and not C[2, 2] > 0.0:
+            warnings.append(f"rises: {net[2] / 1e3:.4g} kN of lift too much, and there is no waterplane to lose it")
         elif abs(net[2]) > 0.02 * buoyancy:
             way = "deeper" if net[2] < 0.0 else "higher"
             warnings.append(
@@ -86,7 +90,7 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
             )
         for name, value in (("roll", roll), ("pitch", pitch)):
             if value < 0.0:
-                warnings.append(f"has negative metacentric stiffness in {name}: {value:.4g} N m/rad; it capsizes on its own")
+                warnings.append(f"has negative metacentric stiffness in {name}: {value:.4g} N m/rad; alone it capsizes")
     return BodySheet(body.name, weight, buoyancy, attached, net[:3], net[3:], heave, roll, pitch, tuple(warnings))
 
 
@@ -135,7 +139,7 @@ def line_notes(model: Model) -> list[str]:
             sec, l0 = line.section, line.length / line.elements
             wet = (sec.mass_per_length - rho * sec.area) * g
             notes.append(
-                f"{line.name}: {line.elements} elements of {l0:.4g} m, axial damping {sec.damping(l0):.4g} N s, weight in "
-                f"water {wet:.4g} N/m"
+                f"{line.name}: {line.elements} elements of {l0:.4g} m, axial damping {sec.damping(l0):.4g} N s, "
+                f"weight in water {wet:.4g} N/m"
             )
     return notes

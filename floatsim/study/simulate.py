@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from floatsim.description import is_number
-from floatsim.errors import CaseError, SolveFailed
+from floatsim.errors import CaseError, ModelError, SolveFailed
 from floatsim.frames import Array
 from floatsim.model import Model
 from floatsim.solve.scheme import Scheme
@@ -168,11 +168,14 @@ def simulate(
         stepper.start(now, h)
     case: dict[str, str | int | float] = {
         "title": system.model.name, "water_depth": sea.depth,
-        **(attributes or {}), "scheme": stepper.scheme.name, "step": h, "output_interval": interval, "duration": duration,
+        **(attributes or {}),
+        "scheme": stepper.scheme.name, "step": h, "output_interval": interval, "duration": duration,
     }  # fmt: skip
-    store = _Memory(sampler.width, outputs + 1) if output is None else Writer(
-        output, sampler.channels, sampler.coordinates, case, precision, samples=outputs + 1
-    )  # fmt: skip
+    store: _Memory | Writer
+    if output is None:
+        store = _Memory(sampler.width, outputs + 1)
+    else:
+        store = Writer(output, sampler.channels, sampler.coordinates, case, precision, samples=outputs + 1)
     loop = _Loop(stepper, now, h)
     began = clock.perf_counter()
     shown = began
@@ -181,7 +184,10 @@ def simulate(
         store.append(now.t, sampler.sample_state(now))
         t0 = now.t
         for k in range(1, outputs + 1):
-            failure = loop.advance(per_output, t0 + (k - 1) * interval)
+            try:
+                failure = loop.advance(per_output, t0 + (k - 1) * interval)
+            except ModelError as error:  # a motion that fails on its way
+                failure = f"at t = {now.t:.6g} s: {error}"
             if failure:
                 break
             now.t = t0 + k * interval
@@ -195,13 +201,15 @@ def simulate(
         store.close("failed", f"at t = {now.t:.6g} s: {said}")
         raise
     wall = clock.perf_counter() - began
-    in_memory = isinstance(store, _Memory)
-    return Run(
-        "failed" if failure else "done", failure, now, loop.steps, loop.cuts, loop.iterations, wall,
-        None if in_memory else Path(store.path), store.times[: store.count] if in_memory else np.arange(
-            loop.outputs + 1) * interval + t0,
-        store.rows[: store.count] if in_memory else np.zeros((0, sampler.width)), sampler,
-    )  # fmt: skip
+    path: Path | None = None
+    times: Array
+    if isinstance(store, _Memory):
+        times, rows = store.times[: store.count], store.rows[: store.count]
+    else:
+        path, rows = store.path, np.zeros((0, sampler.width))
+        times = np.asarray(t0 + interval * np.arange(loop.outputs + 1), dtype=np.float64)
+    return Run("failed" if failure else "done", failure, now, loop.steps, loop.cuts, loop.iterations, wall, path,
+               times, rows, sampler)  # fmt: skip
 
 
 class _Memory:

@@ -28,6 +28,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from floatsim.errors import CaseError
 
+# HDF5 reads it once, when the library comes up, which may be for a hydrodynamic database: so set on import
+os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
+
 SAMPLES = 256  # a chunk is written after so many samples
 SECONDS = 5.0  # or so much wall clock
 TIME_ATTRIBUTES = {"long_name": "simulated time", "units": "s"}
@@ -98,6 +101,9 @@ class Writer:
         self.path = Path(path)
         self.channels = tuple(channels)
         sizes = _checked_sizes(self.channels, coordinates, precision)
+        for name, value in (attributes or {}).items():
+            if not isinstance(name, str) or not isinstance(value, str | int | float | np.integer | np.floating):
+                raise CaseError(f"attribute {name!r}: got {value!r}; must be text or a number")
         shapes = [tuple(sizes[d] for d in c.dims) for c in self.channels]
         ends = np.cumsum([0, *(math.prod(s) for s in shapes)])
         self.width = int(ends[-1])
@@ -118,7 +124,6 @@ class Writer:
     def _create(
         self, sizes: dict[str, int], coordinates: Sequence[Coordinate], attributes: dict[str, Any], precision: str
     ) -> None:
-        os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")  # read when the library comes up
         import netCDF4
 
         with self._naming_path("cannot be written"):
@@ -285,7 +290,6 @@ def _replaceable(path: Path) -> bool:
         start = file.read(4)
     if start not in (b"\x89HDF", b""):
         return False
-    os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
     import netCDF4
 
     try:

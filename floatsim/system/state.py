@@ -40,8 +40,8 @@ class Work:
     """What one evaluation reads and writes; allocated once.
 
     Reads: t, still (statics: no waves, no memory), x, R, v, a, lam, u (fluid velocity at points),
-    c = (cM, cC, cK, cG, push, soft): weights of mass, damping, stiffness and constraints in the matrix; the share of
-    a line's axial stiffness that acts in compression, 1 outside statics; how far EA is softened, 0 outside statics.
+    c = (cM, cC, cK, cG, push, cap): weights of mass, damping, stiffness and constraints in the matrix; the share of
+    a line's axial stiffness that acts in compression and the most it may be [N]: 1 and inf outside statics.
     Writes: A (entries by slot), r (residual), s (size of the forces at each point and rotation),
     trouble (what went wrong, by name).
     """
@@ -60,7 +60,7 @@ class Work:
         self.aux = np.zeros(n - n_con)
         self.lam = np.zeros(n_con)
         self.u = np.zeros((n_point + 1, 3))
-        self.c = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+        self.c = np.array([0.0, 0.0, 0.0, 0.0, 1.0, np.inf])
         self.A = np.zeros(size + 1)
         self.r = np.zeros(n)
         self.s = np.zeros(n_point + n_rotation + 2)

@@ -159,12 +159,18 @@ class System:
         return layout
 
     def _extent(self) -> float:
-        """A length of the whole model [m], for tolerances."""
-        points = [self.x0[: self.n_point]]
-        arms = np.abs(np.concatenate([self.constraints.arms.ravel(), np.zeros(1)]))
-        spread = float(np.ptp(np.concatenate(points), axis=0).max()) if self.n_point else 0.0
-        sizes = [part.extent for part in self.numbering.parts if hasattr(part, "extent")]
-        return max(spread, float(arms.max()), *sizes, 1e-3)
+        """A length of the whole model [m], for tolerances: its points, arms, fixed points and bodies' own sizes."""
+        arms = [self.constraints.arms.ravel(), *(batch.arms.ravel() for batch in self.batches if hasattr(batch, "arms"))]
+        spread = np.ptp(self.x0[: self.n_point], axis=0) if self.n_point else np.zeros(3)
+        own = [part.extent for part in self.numbering.parts if hasattr(part, "extent")]
+        return float(max(spread.max(), np.abs(np.concatenate(arms)).max(initial=0.0), *own, 1e-3))
+
+    def free_points(self) -> NDArray[np.bool_]:
+        """Which entries of `Work.s` are points of parts that have no rotation."""
+        out = np.zeros(self.n_point + self.n_rotation + 2, dtype=bool)
+        for part, p in zip(self.numbering.parts, self.numbering.first_point, strict=True):
+            out[p : p + part.n_points] = part.n_rotations == 0
+        return out
 
     def work(self) -> Work:
         """Fresh scratch for evaluations."""

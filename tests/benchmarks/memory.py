@@ -47,9 +47,11 @@ def main() -> int:
     end = resident()
     early = next(m for t, m in seen if t >= min(EARLY, 0.5 * duration))
     largest = max(m for _, m in seen)
-    print(f"{run.status}: {run.simulated_time:g} s in {run.wall_time:.1f} s ({run.simulated_time / run.wall_time:.0f} x real time)")
-    print(f"resident memory: {early:.0f} MB at {min(EARLY, 0.5 * duration):g} s, {seen[-1][1]:.0f} MB at {seen[-1][0]:.0f} s, "
-          f"{end:.0f} MB after the file was closed, largest {largest:.0f} MB")  # fmt: skip
+    factor = run.simulated_time / run.wall_time
+    print(f"{run.status}: {run.simulated_time:g} s in {run.wall_time:.1f} s ({factor:.0f} x real time)")
+    first, last = min(EARLY, 0.5 * duration), seen[-1]
+    print(f"resident memory: {early:.0f} MB at {first:g} s, {last[1]:.0f} MB at {last[0]:.0f} s")
+    print(f"{end:.0f} MB after the file was closed, largest {largest:.0f} MB")
     good = run.status == "done" and largest < LIMIT and seen[-1][1] - early < GROWTH
     print("holds" if good else f"missed: at most {LIMIT:g} MB and {GROWTH:g} MB of growth are allowed")
     return 0 if good else 1

@@ -23,10 +23,11 @@ from typing import Any
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+import numpy as np  # noqa: E402
 from numba.core.dispatcher import Dispatcher  # noqa: E402
 
 import floatsim as fs  # noqa: E402
-from floatsim.solve.linear import LinearSolver  # noqa: E402
+from floatsim.solve.linear import LinearSolver, _solve_dense  # noqa: E402
 from floatsim.study.channels import Sampler  # noqa: E402
 from floatsim.study.script import load_model  # noqa: E402
 from floatsim.study.store import Writer  # noqa: E402
@@ -86,6 +87,18 @@ class Timers:
                     setattr(module, name, self.wrap(value, "kernels (elements, loads, norms, memory)"))
 
 
+def border_time(n: int) -> float:
+    """Seconds for the elimination of a dense border of n unknowns, which is a part of the linear solve."""
+    best = np.inf
+    matrix = np.random.default_rng(1).normal(size=n * n)
+    for _ in range(200):
+        work, x = matrix.copy(), np.ones(n)
+        began = time.perf_counter()
+        _solve_dense(work, 0, n, x)
+        best = min(best, time.perf_counter() - began)
+    return best
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Speed of the moored VolturnUS-S")
     parser.add_argument("--duration", type=float, default=600.0, help="simulated seconds")
@@ -103,15 +116,19 @@ def main() -> None:
         shared = fs.simulate(system, options.duration, STEP, state=start, output=path)
     run = runs[0]
     factors = [r.simulated_time / r.wall_time for r in runs]
-    print(f"{run.simulated_time:g} s, {run.steps} steps, {run.cut_steps} cut, {run.newton_iterations} Newton iterations, "
-          f"file of {size:.0f} MB")  # fmt: skip
+    print(f"{run.simulated_time:g} s, {run.steps} steps, {run.cut_steps} cut, file of {size:.0f} MB")
+    print(f"{run.newton_iterations} Newton iterations")
     print(f"speed: {statistics.median(factors):.0f} x real time (runs: {', '.join(f'{f:.0f}' for f in factors)})")
     wall = shared.wall_time
-    print(f"shares of an instrumented run ({wall:.2f} s, plain {statistics.median(r.wall_time for r in runs):.2f} s):")
+    plain = statistics.median(r.wall_time for r in runs)
+    print(f"shares of an instrumented run ({wall:.2f} s, plain {plain:.2f} s):")
     rest = wall - sum(timers.seconds.values())
     for group, seconds in sorted(timers.seconds.items(), key=lambda item: -item[1]):
         print(f"  {group:42s} {100.0 * seconds / wall:5.1f} %   {1e6 * seconds / timers.calls[group]:7.1f} us a call")
-    print(f"  {'Python around them':42s} {100.0 * rest / wall:5.1f} %   {1e6 * rest / run.newton_iterations:7.1f} us an iteration")
+    each = 1e6 * rest / run.newton_iterations
+    print(f"  {'Python around them':42s} {100.0 * rest / wall:5.1f} %   {each:7.1f} us an iteration")
+    n = len(system.layout.border)
+    print(f"of the linear solve, the dense border of {n} unknowns takes {1e6 * border_time(n):.1f} us a call")
     print(f"peak resident memory: {peak_memory():.0f} MB")
 
 

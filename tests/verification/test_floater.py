@@ -379,7 +379,7 @@ def test_quadratic_damping_is_relative_to_the_current(db, record):
     rest = force(still, np.zeros(3))
     size = np.abs(want).reshape(2, 3).max(axis=1).repeat(3)
     for what, drag, expected in (
-        ("held in a current: B |u| u", force(wet, np.zeros(3)) - rest, want),
+        ("held in a current: B times the square of its speed", force(wet, np.zeros(3)) - rest, want),
         ("drifting with the current: no drag", force(wet, u) - rest, 0.0 * want),
         ("moving in still water: the opposite", force(still, u) - rest, -want),
     ):
@@ -460,6 +460,23 @@ def test_a_rejected_step_leaves_everything_bit_identical(db, record, size):
         assert stepper.step(state, 0.1).converged and other.step(twin, 0.1).converged
     assert contents(state) == contents(twin)
     assert contents(state) != before
+
+
+def test_a_step_may_be_cut_where_time_was_rounded_another_way():
+    """A run puts its clock on the output grid, k dt, which may lie one unit in the last place before the sum of the
+    steps that the memory has seen. Cutting the step there looks at the memory at that very time."""
+    system = fs.assemble(load("volturnus_s").build(elements=20))
+    state, _ = fs.solve_static(system)
+    state.v[2] = 0.1
+    stepper = fs.Stepper(system)
+    stepper.start(state, 0.1)
+    earlier = 0
+    for k in range(1, 120):
+        assert stepper.step(state, 0.1).converged
+        earlier += k * 0.1 < state.t
+        state.t = k * 0.1
+        assert stepper.step(state.copy(), 0.05).converged
+    assert earlier > 5
 
 
 # --- company ----------------------------------------------------------------------------------------

@@ -29,7 +29,9 @@ def pendulum(arm=1.0, angle=1.0, mass=2.0, inertia=0.6):
     position = (-arm * np.sin(angle), 0.0, 10.0 - arm * np.cos(angle))
     body = fs.Body(name="bob", mass=mass, inertia=(0.9 * inertia, inertia, 0.8 * inertia), position=position,
                    attitude_deg=(0.0, float(np.degrees(angle)), 0.0), points={"pivot": (0.0, 0.0, arm)})  # fmt: skip
-    return fs.assemble(fs.Model(parts=[body], joints=[fs.Ball(a="bob.pivot", b=(0, 0, 10), name="pivot")], sea=DRY, gravity=G))
+    return fs.assemble(
+        fs.Model(parts=[body], joints=[fs.Ball(a="bob.pivot", b=(0, 0, 10), name="pivot")], sea=DRY, gravity=G)
+    )
 
 
 def pendulum_motion(times, arm=1.0, angle=1.0, mass=2.0, inertia=0.6):
@@ -101,7 +103,9 @@ def test_order_on_a_stretching_pendulum(scheme, record):
             errors[list(errors)[k]].append(last_half_errors(seen[:, 3 * k : 3 * k + 3], exact))
     print(scheme, errors)
     for name, e in errors.items():
-        record("order of the integrator", f"mass on a one-element line, {name}, {scheme}", observed_order(e), (1.9, 2.1))
+        record(
+            "order of the integrator", f"mass on a one-element line, {name}, {scheme}", observed_order(e), (1.9, 2.1)
+        )
 
 
 @pytest.mark.slow
@@ -136,7 +140,13 @@ def test_heavy_top(record):
     Data: Geradin & Cardona (2001), as in Bruls, Cardona & Arnold (2012); reference from a fine solution of
     Euler's equations below, which gives (0.17334404, -0.35991130, -0.74849068) m.
     """
-    m, J, r, w0, g = 15.0, np.array([0.234375, 0.46875, 0.234375]), np.array([0.0, 1.0, 0.0]), (0.0, 150.0, -4.61538), 9.81
+    m, J, r, w0, g = (
+        15.0,
+        np.array([0.234375, 0.46875, 0.234375]),
+        np.array([0.0, 1.0, 0.0]),
+        (0.0, 150.0, -4.61538),
+        9.81,
+    )
     about = np.diag(J) + m * (r @ r * np.eye(3) - np.outer(r, r))
 
     def rate(t, y):  # body-fixed angular velocity and the rotation matrix
@@ -161,7 +171,9 @@ def test_heavy_top(record):
         seen = np.array(run(system, state, fs.generalised_alpha(0.6), h, n, lambda s: s.x[0] - [0.0, 1.0, 50.0]))
         errors.append(np.abs(seen[:: n // 100] - exact).max())
         end = np.abs(seen[-1] - published).max()
-        record("heavy top", f"displacement error at 1 s, dt {h:g} s", end, {1e-3: 1e-2, 5e-4: 2.4e-3, 2.5e-4: 6e-4}[h], "m")
+        record(
+            "heavy top", f"displacement error at 1 s, dt {h:g} s", end, {1e-3: 1e-2, 5e-4: 2.4e-3, 2.5e-4: 6e-4}[h], "m"
+        )
     print(errors)
     record("heavy top", "order", observed_order(errors), (1.9, 2.1))
 
@@ -181,7 +193,9 @@ def test_change_of_step_keeps_the_order(record):
             times.append(state.t)
             seen.append(watch_pendulum(state))
         exact = np.concatenate(pendulum_motion(np.array(times)), axis=1)
-        errors.append([last_half_errors(np.array(seen)[:, c], exact[:, c]) for c in (slice(0, 3), slice(3, 6), slice(6, 9))])
+        errors.append(
+            [last_half_errors(np.array(seen)[:, c], exact[:, c]) for c in (slice(0, 3), slice(3, 6), slice(6, 9))]
+        )
     print(errors)
     for k, name in enumerate(("position", "velocity", "multipliers")):
         order = observed_order([e[k] for e in errors])
@@ -205,7 +219,12 @@ def test_start_in_motion_keeps_the_order(record):
         exact = -2.0 * np.stack([-(c * acc - s * rate**2), 0 * s, s * acc + c * rate**2 + G], axis=1)
         errors.append(np.abs(seen - exact).max() / np.abs(exact).max())
     print(errors)
-    record("order of the integrator", "pendulum started in motion, multipliers from the first step", observed_order(errors), (1.9, 2.1))
+    record(
+        "order of the integrator",
+        "pendulum started in motion, multipliers from the first step",
+        observed_order(errors),
+        (1.9, 2.1),
+    )
 
 
 # --- energy ----------------------------------------------------------------------------------------------------
@@ -300,7 +319,9 @@ def test_energy_of_a_cable(record):
     """
     sec = fs.Section(name="rope", mass_per_length=2.0, diameter=0.02, EA=500.0)
     low = (4 * np.sin(0.5), 0.0, 49 - 4 * np.cos(0.5))
-    rope = fs.Line(name="rope", section=sec, length=4.0, elements=8, end_a_position=(0, 0, 49), end_b_position=low, taut=True)
+    rope = fs.Line(
+        name="rope", section=sec, length=4.0, elements=8, end_a_position=(0, 0, 49), end_b_position=low, taut=True
+    )
     spring = fs.Spring(name="hook", a="rope.end_a", b=(0, 0, 50), stiffness=2e3, free_length=1.0)
     system = fs.assemble(fs.Model(parts=[rope, spring], sea=DRY, gravity=G))
 
@@ -359,7 +380,9 @@ def test_spring_without_free_length():
     """With no free length the force is k d, also through the point of no length: omega = sqrt(k/m) about the sag."""
     m, k, start = 2.0, 50.0, 0.3
     mass = fs.PointMass(name="m", mass=m, position=(0, 0, 5.0 + start))
-    system = fs.assemble(fs.Model(parts=[mass, fs.Spring(name="s", a="m", b=(0, 0, 5), stiffness=k, free_length=0.0)], sea=DRY))
+    system = fs.assemble(
+        fs.Model(parts=[mass, fs.Spring(name="s", a="m", b=(0, 0, 5), stiffness=k, free_length=0.0)], sea=DRY)
+    )
     period = 2.0 * np.pi * np.sqrt(m / k)
     z = run(system, system.initial_state(), fs.generalised_alpha(0.9), period / 200, 100, lambda s: s.x[0, 2] - 5.0)
     assert z[-1] == pytest.approx(-start - 2.0 * m * G / k, rel=1e-3)

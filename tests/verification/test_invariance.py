@@ -50,7 +50,9 @@ def line(**more):
 
 
 def cantilever():
-    sec = fs.Section(name="cable", mass_per_length=20.0, diameter=0.15, EA=1e6, EI=1e4, bending_damping=1e3, axial_damping=1e4)
+    sec = fs.Section(
+        name="cable", mass_per_length=20.0, diameter=0.15, EA=1e6, EI=1e4, bending_damping=1e3, axial_damping=1e4
+    )
     part = fs.Line(name="line", section=sec, length=4.0, elements=3, end_b_position=(4.0, 0.0, 6.0), taut=True)
     return two_bodies(part, joints=[fs.Clamp(a="line.end_a", b="one.p", direction=(1.0, 0.2, -0.3))])
 
@@ -122,7 +124,9 @@ def test_balance(name, record):
         gap = w.x[row.a.point] + w.R[row.a.rotation] @ row.a.arm - w.x[row.b.point] - w.R[row.b.rotation] @ row.b.arm
         moment -= np.cross(gap, w.lam[3 * k : 3 * k + 3])
     size = np.abs(f).max() if np.abs(f).max() > 0.0 else np.abs(m).max()
-    record("invariance", f"{name}: sum of forces and moments", max(np.abs(total).max(), np.abs(moment).max()) / size, 1e-10)
+    record(
+        "invariance", f"{name}: sum of forces and moments", max(np.abs(total).max(), np.abs(moment).max()) / size, 1e-10
+    )
 
 
 FULL = dict(EI=1e4, bending_damping=1e3, axial_damping=1e4, drag_normal=1.2, drag_tangential=0.1, added_mass_normal=1.0,
@@ -132,7 +136,15 @@ FULL = dict(EI=1e4, bending_damping=1e3, axial_damping=1e4, drag_normal=1.2, dra
 def wet_line():
     sea = fs.Sea(depth=9.0, current=fs.Current(speed=0.0))
     sec = fs.Section(name="cable", mass_per_length=20.0, diameter=0.15, EA=1e6, **FULL)
-    part = fs.Line(name="line", section=sec, length=8.0, elements=6, taut=True, end_a_position=(0, 0, 0), end_b_position=(6, 0, -8.5))
+    part = fs.Line(
+        name="line",
+        section=sec,
+        length=8.0,
+        elements=6,
+        taut=True,
+        end_a_position=(0, 0, 0),
+        end_b_position=(6, 0, -8.5),
+    )
     return fs.assemble(fs.Model(parts=[part], sea=sea))
 
 

@@ -58,8 +58,11 @@ def test_two_forms_of_the_ball_joint_dynamically(EI, record):
     for form in ("shared", "ball_joints"):
         system, line = held_line(form, EI, motion)
         state, _ = fs.solve_static(system)
-        seen = run(system, state, fs.generalised_alpha(0.6), 0.05, 120,
-                   lambda s: (s.x[line.nodes].copy(), tensions(system, s), end_force(system, s, "top")), tolerance=1e-9)  # fmt: skip
+
+        def watch(s, system=system, line=line):
+            return s.x[line.nodes].copy(), tensions(system, s), end_force(system, s, "top")
+
+        seen = run(system, state, fs.generalised_alpha(0.6), 0.05, 120, watch, tolerance=1e-9)
         results[form] = [np.array([row[k] for row in seen]) for k in range(3)]
     one, two = results["shared"], results["ball_joints"]
     check, name = "ball joints: shared nodes against multipliers", f"dynamic, EI {EI:g}"
@@ -213,7 +216,9 @@ def test_two_welded_bodies_are_one(record):
 def test_weld_carries_a_cantilevered_weight(record):
     """Body welded to the ground: force and moment are its weight and its weight's moment."""
     body = fs.Body(name="arm", mass=7.0, inertia=(1, 1, 1), center_of_mass=(2.0, 0.5, 0.0), position=(0, 0, 10))
-    system = fs.assemble(fs.Model(parts=[body], joints=[fs.Weld(a="arm", b=(0, 0, 10), name="root")], sea=DRY, gravity=G))
+    system = fs.assemble(
+        fs.Model(parts=[body], joints=[fs.Weld(a="arm", b=(0, 0, 10), name="root")], sea=DRY, gravity=G)
+    )
     state, _ = fs.solve_static(system)
     w = system.work()
     system.load(w, state)

@@ -74,7 +74,10 @@ def test_beam_under_tension(ends, record):
     line = fs.Line(name="beam", section=sec, length=L / (1.0 + T / 2e9), elements=160, taut=True)
     a, b = (0, 0, 20), (L, 0, 20)
     if ends == "clamped":
-        joints = [fs.Clamp(a="beam.end_a", b=a, direction=(1, 0, 0)), fs.Clamp(a="beam.end_b", b=b, direction=(-1, 0, 0))]
+        joints = [
+            fs.Clamp(a="beam.end_a", b=a, direction=(1, 0, 0)),
+            fs.Clamp(a="beam.end_b", b=b, direction=(-1, 0, 0)),
+        ]
     else:
         joints = [fs.Ball(a="beam.end_a", b=a), fs.Ball(a="beam.end_b", b=b)]
     system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=DRY, gravity=0.0))
@@ -107,7 +110,13 @@ def test_free_fall(record):
     system = free_line(50.0, sea=DRY)
     state = system.initial_state()
     run(system, state, fs.generalised_alpha(0.6), 0.05, 20)
-    record("lines in water and air", "free fall for 1 s: error of the height", np.abs(state.x[:5, 2] - 50.0 + 0.5 * G).max(), 1e-9, "m")
+    record(
+        "lines in water and air",
+        "free fall for 1 s: error of the height",
+        np.abs(state.x[:5, 2] - 50.0 + 0.5 * G).max(),
+        1e-9,
+        "m",
+    )
 
 
 @pytest.mark.parametrize("angle", [0.0, 90.0, 35.0])
@@ -159,9 +168,13 @@ def test_oblique_current(record):
     u = 1.3 * np.array([np.cos(np.radians(40.0)), np.sin(np.radians(40.0)), 0.0])
     ut = (u @ t) * t
     un = u - ut
-    exact = 8.0 * (0.5 * RHO * D * 1.2 * np.linalg.norm(un) * un + 0.5 * RHO * np.pi * D * 0.1 * np.linalg.norm(ut) * ut)
+    exact = 8.0 * (
+        0.5 * RHO * D * 1.2 * np.linalg.norm(un) * un + 0.5 * RHO * np.pi * D * 0.1 * np.linalg.norm(ut) * ut
+    )
     total = -residual(system, w)[:15].reshape(5, 3).sum(axis=0)
-    record("lines in water and air", "drag of an oblique current", np.abs(total - exact).max() / np.abs(exact).max(), 1e-12)
+    record(
+        "lines in water and air", "drag of an oblique current", np.abs(total - exact).max() / np.abs(exact).max(), 1e-12
+    )
 
 
 @pytest.mark.parametrize("elements", [1, 3, 8])
@@ -173,10 +186,8 @@ def test_buoyancy_of_a_half_wet_line(elements, angle, record):
     system = free_line(middle, elements=elements, direction=t)
     w = system.work()
     system.load(w, system.initial_state())
-    if angle > 0.0:  # length below the surface; the section's linear ramp over its diameter leaves it as it is
-        wet = 4.0 - middle / np.sin(np.radians(angle))
-    else:
-        wet = 8.0 * (0.5 - middle / D)
+    # length below the surface; the section's linear ramp over its diameter leaves it as it is
+    wet = 4.0 - middle / np.sin(np.radians(angle)) if angle > 0.0 else 8.0 * (0.5 - middle / D)
     exact = 60.0 * 8.0 * G - RHO * G * AREA * wet
     force = residual(system, w)[2 : 3 * system.n_point : 3].sum()
     record("lines in water and air", f"half-wet line at {angle:g} deg, {elements} elements: vertical force",
@@ -190,7 +201,12 @@ def test_line_resting_on_the_bed(record):
     state = system.initial_state()
     run(system, state, fs.generalised_alpha(0.6), 0.05, 400)
     exact = (60.0 - RHO * AREA) * G / (1e5 * D)
-    record("lines in water and air", "penetration of a resting line", np.abs((-500.0 - state.x[:5, 2]) / exact - 1.0).max(), 1e-6)
+    record(
+        "lines in water and air",
+        "penetration of a resting line",
+        np.abs((-500.0 - state.x[:5, 2]) / exact - 1.0).max(),
+        1e-6,
+    )
 
 
 def test_rigid_damping_does_not_brake(record):
@@ -214,7 +230,9 @@ def test_axial_damping_ratio(record):
     w0 = 2.0 / 8.0 * np.sqrt(1e6 / 60.0)  # both halves move: reduced mass m l0/4
     zeta = 0.3
     period = 2.0 * np.pi / (w0 * np.sqrt(1.0 - zeta**2))
-    seen = np.array(run(system, state, fs.generalised_alpha(0.9), period / 400, 400, lambda s: s.x[1, 0] - s.x[0, 0] - 8.0))
+    seen = np.array(
+        run(system, state, fs.generalised_alpha(0.9), period / 400, 400, lambda s: s.x[1, 0] - s.x[0, 0] - 8.0)
+    )
     decay = -np.log(seen[-1] / seen[0]) / (w0 * period)
     record("strings and chains", "axial damping ratio 0.3 of one element, from its decay", decay, (0.299, 0.301))
 
@@ -224,14 +242,16 @@ def test_bending_damping_at_a_clamp(record):
     EI, l0, m = 1e4, 2.0, 10.0
     omega = np.sqrt(2.0 * EI / l0 / (m * l0**2))
     zeta = 0.02
-    rod = fs.Section(name="rod", mass_per_length=1e-6, diameter=1e-3, EA=1e9, EI=EI, bending_damping=2.0 * zeta / omega * EI)
+    rod = fs.Section(
+        name="rod", mass_per_length=1e-6, diameter=1e-3, EA=1e9, EI=EI, bending_damping=2.0 * zeta / omega * EI
+    )
     start = (l0 * np.cos(0.05), 0.0, 10.0 + l0 * np.sin(0.05))
     line = fs.Line(name="rod", section=rod, length=l0, elements=1, taut=True)
     bob = fs.PointMass(name="bob", mass=m, position=start)
     joints = [fs.Clamp(a="rod.end_a", b=(0, 0, 10), direction=(1, 0, 0)), fs.Ball(a="rod.end_b", b="bob")]
     system = fs.assemble(fs.Model(parts=[line, bob], joints=joints, sea=DRY, gravity=0.0))
     period = 2.0 * np.pi / (omega * np.sqrt(1.0 - zeta**2))
-    seen = run(system, system.initial_state(), fs.generalised_alpha(0.9), period / 400, 2000, lambda s: s.x[1, 2] - 10.0,
-               tolerance=1e-8)  # fmt: skip
+    state, scheme = system.initial_state(), fs.generalised_alpha(0.9)
+    seen = run(system, state, scheme, period / 400, 2000, lambda s: s.x[1, 2] - 10.0, tolerance=1e-8)
     decay = -np.log(seen[2000] / seen[0]) / (5.0 * omega * period)
     record("strings and chains", "bending damping of 2 % at a clamp, from the decay", decay, (0.0198, 0.0202))

@@ -31,10 +31,12 @@ def moored_body(EI=0.0, form="shared", elements=20):
 
 def chain_of_lines():
     """Lines tied end to end, a clamp, a mass in the middle, a one-element and a two-element line."""
-    parts = [line("a", 7, 1e4, length=100.0), line("b", 1, length=40.0), line("c", 2, 1e4, length=40.0), line("d", 12, length=150.0),
+    parts = [line("a", 7, 1e4, length=100.0), line("b", 1, length=40.0), line("c", 2, 1e4, length=40.0),
+             line("d", 12, length=150.0),
              fs.PointMass(name="clump", mass=500.0, position=(120.0, 0.0, -20.0))]  # fmt: skip
     joints = [fs.Clamp(a="a.end_a", b=(0, 0, -20), direction=(1, 0, -1)), fs.Ball(a="a.end_b", b=(90, 0, -20)),
-              fs.Ball(a="b.end_a", b="a.end_b", name="ab"), fs.Ball(a="b.end_b", b="clump"), fs.Ball(a="c.end_a", b="clump"),
+              fs.Ball(a="b.end_a", b="a.end_b", name="ab"), fs.Ball(a="b.end_b", b="clump"),
+              fs.Ball(a="c.end_a", b="clump"),
               fs.Ball(a="c.end_b", b=(150, 0, -30)), fs.Ball(a="d.end_a", b="clump", name="down"),
               fs.Ball(a="d.end_b", b=(200, 30, -100))]  # fmt: skip
     return fs.Model(parts=parts, joints=joints, sea=SEA)

@@ -21,7 +21,10 @@ def cantilever(elements, mass, length=10.0):
     beam = fs.Section(name="beam", mass_per_length=1e-6, diameter=1e-3, EA=1e10, EI=EI)
     line = fs.Line(name="beam", section=beam, length=length, elements=elements)
     tip = fs.PointMass(name="tip", mass=mass, position=(length, 0.0, 100.0))
-    joints = [fs.Clamp(a="beam.end_a", b=(0.0, 0.0, 100.0), direction=(1, 0, 0), name="root"), fs.Ball(a="beam.end_b", b="tip")]
+    joints = [
+        fs.Clamp(a="beam.end_a", b=(0.0, 0.0, 100.0), direction=(1, 0, 0), name="root"),
+        fs.Ball(a="beam.end_b", b="tip"),
+    ]
     system = fs.assemble(fs.Model(parts=[line, tip], joints=joints, sea=fs.Sea(depth=50.0), gravity=9.80665))
     state, _ = fs.solve_static(system)
     x = state.x[elements]
@@ -44,9 +47,17 @@ def test_elastica(mass, record):
     name = f"{mass:g} kg at 10 m"
     record("elastica, clamped", f"{name}: drop, 10 elements", 100.0 * errors[1], 0.6, "%")
     record("elastica, clamped", f"{name}: x of the tip, 10 elements", 100.0 * abs(drops[10][0] / x_tip - 1.0), 0.6, "%")
-    record("elastica, clamped", f"{name}: root curvature, 10 elements", 100.0 * abs(drops[10][2] / curvature - 1.0), 0.6, "%")
+    record(
+        "elastica, clamped",
+        f"{name}: root curvature, 10 elements",
+        100.0 * abs(drops[10][2] / curvature - 1.0),
+        0.6,
+        "%",
+    )
     for k, n in enumerate((10, 20, 40)):
-        record("elastica, clamped", f"{name}: order, {n // 2} to {n} elements", observed_order(errors[: k + 2]), (1.9, 2.1))
+        record(
+            "elastica, clamped", f"{name}: order, {n // 2} to {n} elements", observed_order(errors[: k + 2]), (1.9, 2.1)
+        )
 
 
 @pytest.mark.parametrize(("mass", "drop", "x_tip"), [(1000, 9.757688, 16.866944), (2000, 13.315921, 13.523996),
@@ -72,7 +83,9 @@ CASES = {
     6: (246.22420940032947, 263.55766330843164, 360.6256626239693, 7e8, 3.08735, 71116.8, 75567.3, 76680.6, 0.0),
     7: (246.22420940032947, 263.55766330843164, 360.63566262396927, 7e8, 3.08735, 58377.24, 61931.00, 63044.41, 0.0),
     8: (246.22420940032947, 263.55766330843164, 360.64566262396926, 7e8, 3.08735, 46077.1, 48765.2, 49878.6, 0.0),
-    9: (119.3237383002058, 52.49668849178113, 130.36140355177318, 7e8, 34.91060469991227, 72694.145, 29715.173, 34266.168, 0.0),
+    9: (119.3237383002058, 52.49668849178113, 130.36140355177318, 7e8, 34.91060469991227, 72694.145,
+        29715.173, 34266.168,
+        0.0),
 }  # fmt: skip
 
 
@@ -83,7 +96,10 @@ def hung(x, z, length, EA, w, bed, elements=200):
     area = 0.25 * np.pi * diameter**2
     sec = fs.Section(name="line", mass_per_length=w / G + RHO * area, diameter=diameter, EA=EA)
     line = fs.Line(name="line", section=sec, length=length, elements=elements, taut=True)
-    joints = [fs.Ball(a="line.end_a", b=(0.0, 0.0, low), name="low"), fs.Ball(a="line.end_b", b=(x, 0.0, z + low), name="top")]
+    joints = [
+        fs.Ball(a="line.end_a", b=(0.0, 0.0, low), name="low"),
+        fs.Ball(a="line.end_b", b=(x, 0.0, z + low), name="top"),
+    ]
     # so stiff that the line does not sink in: 1 mm would count as 1 mm of span
     sea = fs.Sea(depth=depth, density=RHO, seabed=fs.Seabed(stiffness=1e8))
     system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=sea, gravity=G))
@@ -113,8 +129,15 @@ def test_elastic_catenary(case, record):
     assert report.residual_force < 1e-8 * EA
 
 
-@pytest.mark.parametrize(("x", "z", "length", "bed"), [(700.0, 180.0, 800.0, True), (400.0, 10.0, 410.0, False),
-                                                       (20.0, 200.0, 260.0, False), (250.0, 0.0, 300.0, False)])  # fmt: skip
+SHAPES = [
+    (700.0, 180.0, 800.0, True),
+    (400.0, 10.0, 410.0, False),
+    (20.0, 200.0, 260.0, False),
+    (250.0, 0.0, 300.0, False),
+]
+
+
+@pytest.mark.parametrize(("x", "z", "length", "bed"), SHAPES)
 def test_catenary_shapes_of_our_own(x, z, length, bed, record):
     """Long on the bed, nearly flat, nearly vertical, U: against our own closed form."""
     H, _, VB, _ = elastic_catenary(x, z, length, 1e8, 900.0, seabed=bed)
@@ -127,7 +150,8 @@ def test_catenary_shapes_of_our_own(x, z, length, bed, record):
 # --- VolturnUS-S -----------------------------------------------------------------------------------------------
 
 CHAIN = fs.Section(name="chain", mass_per_length=685.0, diameter=0.333, EA=3.27e9, axial_damping_ratio=1.0,
-                   drag_normal=2.0, drag_tangential=0.4, added_mass_normal=0.82, added_mass_tangential=0.27)  # fmt: skip
+                   drag_normal=2.0, drag_tangential=0.4, added_mass_normal=0.82,
+                   added_mass_tangential=0.27)  # fmt: skip
 FAIRLEADS = np.array([(-58.0, 0.0, -14.0), (29.0, 50.229, -14.0), (29.0, -50.229, -14.0)])
 ANCHORS = np.array([(-837.6, 0.0, -200.0), (418.8, 725.383, -200.0), (418.8, -725.383, -200.0)])
 

@@ -76,7 +76,9 @@ def floater():
 
     database = Path(__file__).parents[2] / "models" / "volturnus_s_hydro.nc"
     rows = 1e7 * np.random.default_rng(3).uniform(-1.0, 1.0, (3, 6, 6))
-    flow = fs.PotentialFlow(database=database, linear_damping=rows[0], quadratic_damping=rows[1], linear_stiffness=rows[2])
+    flow = fs.PotentialFlow(
+        database=database, linear_damping=rows[0], quadratic_damping=rows[1], linear_stiffness=rows[2]
+    )
     body = fs.Body(name="hull", mass=2e7, inertia=(4e10, 4e10, 2e10), center_of_mass=(1.0, 2.0, -3.0), hydro=flow)
     return fs.Model(parts=[body], sea=fs.Sea(depth=200.0, current=fs.Current(speed=0.4, heading_deg=20.0)))
 
@@ -99,13 +101,15 @@ SYSTEMS = {
     "seabed": (lambda: line(z=(-20, -20), sea=NEAR), "", {"scale": 0.3}),
     "seabed, damper's ramp": (lambda: line(z=(-20, -20), sea=NEAR), "",
                               {"scale": 0.002, "speed": 0.001, "step": 1e-4, "sink": 0.005}),
-    "line, all of it": (lambda: line(z=(-20, 1), sea=NEAR, EI=1e3, bending_damping=1e2, axial_damping=1e3, **WET), None, {}),
+    "line, all of it": (lambda: line(z=(-20, 1), sea=NEAR, EI=1e3, bending_damping=1e2, axial_damping=1e3, **WET),
+                        None, {}),
     "bodies": (bodies, None, {}),
     "point mass": (lambda: fs.Model(parts=[fs.PointMass(name="bob", mass=3.0, position=(0, 0, 5))], sea=DRY), None, {}),
     "spring": (lambda: bodies(parts=[fs.Spring(name="spring", a="one.p", b="two.p", stiffness=400.0, damping=30.0,
                                                free_length=0.7)]), None, {}),
     "spring to the ground": (lambda: bodies(parts=[fs.Spring(name="spring", a="one.p", b=(1, 2, 3), stiffness=400.0,
-                                                             damping=30.0, free_length=0.7, tension_only=True)]), None, {}),
+                                                             damping=30.0, free_length=0.7, tension_only=True)]),
+                             None, {}),
     "clamp on a body": (lambda: clamped("one.p", EI=3e4), "EI", {}),
     "clamp on the ground": (lambda: clamped((0, 0, 6), EI=3e4), "EI", {}),
     "clamp's damping": (lambda: clamped("one.p", EI=1.0, bending_damping=3e3), "CB", {}),
@@ -211,7 +215,9 @@ def test_matrix_is_derivative_of_residual(name, moving, record):
             kinks, entries = kinks + int(kink.sum()), entries + error.size
             i, j = np.unravel_index(error.argmax(), error.shape)
             if error[i, j] > 1e-6:
-                print(f"{'MCK'[kind]}[{i}, {j}] = {exact[i, j]:.9e}, by differences {near[i, j]:.9e}, max {largest:.2e}")
+                print(
+                    f"{'MCK'[kind]}[{i}, {j}] = {exact[i, j]:.9e}, by differences {near[i, j]:.9e}, max {largest:.2e}"
+                )
             worst = max(worst, float(error[i, j]))
     assert kinks <= 0.005 * entries
     record("tangents against central differences", f"{name}, {'moving' if moving else 'at rest'}", worst, 1e-6)
@@ -226,7 +232,7 @@ def test_everything_registered_is_here():
 
     here = set()
     rows = set()
-    for name, (model, _, _) in SYSTEMS.items():
+    for model, _, _ in SYSTEMS.values():
         try:
             system = fs.assemble(model())
         except pytest.skip.Exception:
@@ -267,4 +273,9 @@ def test_cost_of_what_is_left_out(turn, sprung, record):
         iterations.append(report.iterations)
         turns.append(h * np.linalg.norm(state.v[6:9]))
     check = "Newton iterations without the exponential map's tangent"
-    record(check, f"top turning by up to {max(turns):.1f} rad a step, {'sprung' if sprung else 'free'}: most", max(iterations), 8)
+    record(
+        check,
+        f"top turning by up to {max(turns):.1f} rad a step, {'sprung' if sprung else 'free'}: most",
+        max(iterations),
+        8,
+    )
