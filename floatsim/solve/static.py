@@ -10,9 +10,9 @@ the residual falls and shrinks when a step would fold or explode something. Minu
 relaxation become some hundred factorisations.
 
 Two things make the way from a crude shape hard. Lines are so stiff that swinging by a tenth of an element
-length strains them by more than their weight ever will: they start with EA capped at 50 times all loads on points,
+length strains them by more than their weight ever will: they start with EA capped at 25 times all loads on points,
 strains of some 2 %, and get it back in steps. And compression along a straight line *is* an equilibrium,
-only an unstable one: until the shape has settled they push with a thousandth of EA.
+only an unstable one: until the shape has settled they push with a small share of EA.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from floatsim.system.system import System
 
 TOLERANCE = 1e-8  # residual over the sum of forces at the same point
 LOOSE, PATIENCE = 1e-6, 300  # what is enough after so many iterations: slack on the bed, barely in balance at all
-SETTLED = 1e-4  # the same for a softened law
-MAX_ITERATIONS = 3000
+SETTLED = 1e-3  # the same for a softened law
+MAX_ITERATIONS = 3000  # for each of PUSHES
 H_START, H_SMALLEST, H_LARGEST, H_SWITCH = 0.05, 1e-4, 1e6, 1.0  # s; the last: largest when the law changes
-WORSE, FAR = 30.0, 1e3  # growth of the unbalance at which a step is taken back: in a step, over the best so far
+WORSE = 30.0  # growth of the unbalance at which a step is taken back
 STALLED = 60  # iterations without a better balance after which h starts small again
-PUSH = 1e-3  # share of EA in compression until the shape has settled
-CAP, CAP_GROWTH, CAP_STEPS = 50.0, 30.0, 6  # of EA, over all loads on points; its growth from step to step
+PUSHES = (1e-3, 1e-1)  # share of EA in compression until the shape has settled; the second if the first fails
+CAP, CAP_GROWTH, CAP_STEPS = 25.0, 30.0, 6  # of EA, over all loads on points; its growth from step to step
 
 
 @dataclass(frozen=True)
@@ -64,25 +64,26 @@ def solve_static(
     likely cause if it does not converge.
     """
     start = system.initial_state() if state is None else state.copy()
-    relax = _Relaxation(system, start, hold)
-    for iteration in range(1, MAX_ITERATIONS + 1):
-        relax.evaluate()
-        if relax.balanced(iteration):
-            if relax.true_law and relax.polished():
-                return relax.result(), relax.report(iteration, True)
-            if not relax.true_law:
-                relax.stiffen()
-        elif relax.worse():
-            relax.back()
-        elif not relax.forward():
-            return relax.fail(iteration, "the stiffness matrix is singular: something is free to drift")
+    for push in PUSHES:
+        relax = _Relaxation(system, start, hold, push)
+        for iteration in range(1, MAX_ITERATIONS + 1):
+            relax.evaluate()
+            if relax.balanced(iteration):
+                if relax.true_law and relax.polished():
+                    return relax.result(), relax.report(iteration, True)
+                if not relax.true_law:
+                    relax.stiffen()
+            elif relax.worse():
+                relax.back()
+            elif not relax.forward():
+                return relax.fail(iteration, "the stiffness matrix is singular: something is free to drift")
     return relax.fail(MAX_ITERATIONS, relax.work.trouble or "no convergence")
 
 
 class _Relaxation:
     """The state of a static solve: configuration, step size h, and the law that lines follow for the moment."""
 
-    def __init__(self, system: System, start: State, hold: Sequence[str]) -> None:
+    def __init__(self, system: System, start: State, hold: Sequence[str], push: float) -> None:
         self.system, self.start = system, start
         self.linear = LinearSolver(system.layout)
         self.work = w = system.work()
@@ -104,9 +105,9 @@ class _Relaxation:
         self.h, self._reach = H_START, 0.02 * system.length
         self._size = 1.0  # of the constraint rows: that of the matrix they border
         self._polished = False
-        w.c[:4] = (0.0, 0.0, 0.0, 1.0)
+        w.c[:] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # loads alone: no axial force yet
         system.evaluate(w)
-        w.c[4:] = PUSH, CAP * max(float(w.s[system.free_points()].sum()), 1e-9)
+        w.c[4:] = push, CAP * max(float(w.s[system.free_points()].sum()), 1e-9)
         self._caps = CAP_STEPS
 
     @property
@@ -160,8 +161,7 @@ class _Relaxation:
 
     def worse(self) -> bool:
         """Whether the last step went wrong."""
-        limit = min(WORSE * self._before, FAR * self._best)
-        return not self._unbalance < limit and self.h > H_SMALLEST
+        return not self._unbalance < WORSE * self._before and self.h > H_SMALLEST
 
     def back(self) -> None:
         """Take the last step back and go on more slowly."""
@@ -182,7 +182,8 @@ class _Relaxation:
             np.copyto(kept, value)
         self._configure(part * d[:n_dof], self._last[0], self._last[1])
         w.lam += part * self._size * d[n_dof:]
-        fall = min(max(self._before / self._unbalance, 0.5), 2.0) if np.isfinite(self._before) else 1.2
+        fall = self._before / max(self._unbalance, 1e-300)
+        fall = min(max(fall, 0.5), 2.0) if np.isfinite(fall) else 1.2
         self.h = min(max(self.h * 1.1 * fall * part, H_SMALLEST), H_LARGEST)
         self._before = self._unbalance
         self._stalled += 1
@@ -228,8 +229,10 @@ class _Relaxation:
     def fail(self, iterations: int, reason: str) -> tuple[State, StaticReport]:
         """Raise SolveFailed with the worst unknown."""
         report = self.report(iterations, False, reason)
+        loose = self.system.model.loose()
+        cause = f"; nothing holds {', '.join(repr(name) for name in loose)}" if loose else ""
         raise SolveFailed(
             f"no static equilibrium after {iterations} iterations: {reason}; largest unbalanced force "
-            f"{report.residual_force:.3g} N at {report.worst}",
+            f"{report.residual_force:.3g} N at {report.worst}{cause}",
             report,
         )

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floatsim.errors import ModelError
+from floatsim.errors import CaseError, ModelError, nearest
 from floatsim.frames import Array, quaternion_from_matrix, set_matrix
 from floatsim.jit import kernel
 from floatsim.joints.constraints import Align, Coincide, Constraints, Place
@@ -229,7 +229,10 @@ class System:
         """Velocity unknowns of whole parts, by name."""
         out: list[int] = []
         num = self.numbering
+        known = {part.name for part in num.parts}
         for name in names:
+            if name not in known:
+                raise CaseError(f"there is no part '{name}'{nearest(name, known)}")
             k = num.index(name)
             part, p, r = num.parts[k], num.first_point[k], self.n_point + 1 + num.first_rotation[k]
             out += range(3 * p, 3 * (p + part.n_points))
@@ -312,4 +315,6 @@ def rank_check(system: System) -> None:
 
 def assemble(model: Model) -> System:
     """Assemble a model. Raises ModelError for redundant, contradictory or open joints."""
+    if not isinstance(model, Model):
+        raise ModelError(f"assemble: got {model!r}; a floatsim.Model is needed")
     return System(model)
