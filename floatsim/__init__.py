@@ -30,8 +30,7 @@ from floatsim.study.decay_test import DecayTest, decay_test
 from floatsim.study.simulate import Run, simulate
 from floatsim.system.state import State
 from floatsim.system.system import System, assemble
-
-__version__ = "0.1.0"
+from floatsim.version import __version__
 
 __all__ = [
     "Ball", "Body", "CaseError", "Clamp", "Current", "DecayTest", "Expected", "FloatsimError", "HydroDatabase",
@@ -39,5 +38,5 @@ __all__ = [
     "PotentialFlow", "Prescribed", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "SolveFailed", "Spring",
     "State", "StaticReport", "StepReport", "Stepper", "System", "WaveComponents", "Weld", "assemble", "check_database",
     "decay_test", "generalised_alpha", "hht", "natural_modes", "newmark", "read_wamit", "simulate", "solve_static",
-    "step",
+    "__version__", "step",
 ]  # fmt: skip

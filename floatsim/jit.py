@@ -7,6 +7,7 @@ is set only while our own kernels are decorated, because `numba.config.CACHE_DIR
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import os
 import shutil
@@ -53,6 +54,7 @@ def _cache_directory() -> Path:
                 shutil.rmtree(item, ignore_errors=True)
         return path
     temporary = Path(tempfile.mkdtemp(prefix="floatsim-kernels-"))
+    atexit.register(shutil.rmtree, temporary, ignore_errors=True)
     print(
         f"floatsim: cannot write the kernel cache {path}; compiling into {temporary} for this process only "
         "(set FLOATSIM_CACHE_DIR to a writable directory)",
@@ -71,9 +73,9 @@ def cache_is_cold() -> bool:
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a scalar kernel on first call; division by zero gives inf as in NumPy, no fastmath."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(CACHE_DIRECTORY)
+    before = numba.config.CACHE_DIR  # type: ignore[attr-defined]
+    numba.config.CACHE_DIR = str(CACHE_DIRECTORY)  # type: ignore[attr-defined]
     try:
         return numba.njit(cache=True, error_model="numpy")(function)
     finally:
-        numba.config.CACHE_DIR = before
+        numba.config.CACHE_DIR = before  # type: ignore[attr-defined]

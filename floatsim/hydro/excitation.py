@@ -79,7 +79,7 @@ class Excitation:
         if left_out > _LEFT_OUT:
             raise ModelError(
                 f"hydrodynamic database '{db.name}': its frequencies {db.omega[0]:.3g} to {db.omega[-1]:.3g} rad/s "
-                f"leave out {100.0 * left_out:.2g} % of the waves' energy, which reaches {sea.omega[above].max():.3g} "
+                f"leave out {100.0 * left_out:.3g} % of the waves' energy, which reaches {sea.omega[above].max():.3g} "
                 f"rad/s (1 % is allowed); extend the database, or cut the waves at {db.omega[-1]:.3g} rad/s "
                 "(IrregularWaves: omega_max)"
             )

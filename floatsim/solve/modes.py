@@ -49,8 +49,8 @@ def natural_modes(model: Model | System, state: State | None = None, count: int 
     Raises SolveFailed if there is no equilibrium or if it is unstable (with the direction that is),
     CaseError if count is not positive.
     """
-    if count < 1:
-        raise CaseError(f"natural_modes: count is {count}; a positive number is allowed")
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+        raise CaseError(f"natural_modes: count is {count!r}; a positive whole number is allowed")
     from scipy.linalg import eigh, null_space
 
     system = model if isinstance(model, System) else assemble(model)
@@ -99,7 +99,7 @@ def _own_frequency(system, solve, Z, M, value, vector, Mz) -> Mode:  # type: ign
     _, B = _frequency_terms(system, omega)
     shape = Z @ vector
     drifting = omega < 1e-6
-    zeta = 0.0 if drifting else float(shape @ B @ shape / (2.0 * omega * (vector @ Mz @ vector)))
+    zeta = 0.0 if drifting else max(0.0, float(shape @ B @ shape / (2.0 * omega * (vector @ Mz @ vector))))
     return Mode(np.inf if drifting else 2.0 * np.pi / omega, omega, zeta, shape, _shares(system, shape, M))
 
 

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from floatsim.description import is_number
 from floatsim.errors import CaseError
 
 
@@ -32,7 +33,7 @@ class Scheme(NamedTuple):
 
 def generalised_alpha(rho_inf: float = 0.6) -> Scheme:
     """Chung & Hulbert's optimum for a given high-frequency spectral radius 0 <= rho_inf <= 1."""
-    if not 0.0 <= rho_inf <= 1.0:
+    if not (is_number(rho_inf) and 0.0 <= rho_inf <= 1.0):
         raise CaseError(f"generalised_alpha: rho_inf is {rho_inf!r}; 0 to 1 is allowed")
     am, af = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0)
     gamma = 0.5 + af - am
@@ -41,7 +42,7 @@ def generalised_alpha(rho_inf: float = 0.6) -> Scheme:
 
 def hht(alpha: float = 0.05) -> Scheme:
     """Hilber, Hughes & Taylor with 0 <= alpha <= 1/3 (their alpha with the sign turned)."""
-    if not 0.0 <= alpha <= 1.0 / 3.0:
+    if not (is_number(alpha) and 0.0 <= alpha <= 1.0 / 3.0):
         raise CaseError(f"hht: alpha is {alpha!r}; 0 to 1/3 is allowed")
     return Scheme(f"hht(alpha={alpha:g})", 0.25 * (1.0 + alpha) ** 2, 0.5 + alpha, 0.0, alpha,
                   (1.0 - alpha) / (1.0 + alpha))  # fmt: skip
@@ -49,7 +50,7 @@ def hht(alpha: float = 0.05) -> Scheme:
 
 def newmark(beta: float = 0.25, gamma: float = 0.5) -> Scheme:
     """Classical Newmark; second order only for gamma = 1/2, unconditionally stable for 2 beta >= gamma >= 1/2."""
-    if not (gamma >= 0.5 and 2.0 * beta >= gamma):
+    if not (is_number(beta) and is_number(gamma) and gamma >= 0.5 and 2.0 * beta >= gamma):
         raise CaseError(f"newmark: got beta {beta!r}, gamma {gamma!r}; 2 beta >= gamma >= 1/2 is allowed")
     roots = np.roots([beta, gamma + 0.5 - 2.0 * beta, 0.5 - gamma + beta])
     return Scheme(f"newmark(beta={beta:g}, gamma={gamma:g})", beta, gamma, 0.0, 0.0, float(np.abs(roots).max()))

@@ -3,7 +3,8 @@
 The unknown is the increment dq of the step (for rotations a spatial rotation vector), so that the
 Newton matrix is S = cM M + cC C + cK K with cM = (1 - am)/((1 - af) beta h^2), cC = gamma/(beta h),
 cK = 1, bordered by the constraints. Left out of it on purpose: the tangent of the exponential map, a
-relative error |dq|/2 of the rotational stiffness, which costs an iteration only above 0.1 rad a step.
+relative error |dq|/2 of the rotations' columns in K and G. It costs iterations only in steps that turn a body
+far: 4 in all at 0.1 rad, 6 at 0.3, 8 at 0.5; beyond that steps are cut.
 
 A step is converged when three things hold, each for every unknown of its kind: the residual is below
 `tolerance` times the sum of the forces that meet at that point, constraints are closed to 1e-9 of the
@@ -13,11 +14,11 @@ is a value with a reason, never a result.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from floatsim.description import is_number
 from floatsim.errors import CaseError, SolveFailed
 from floatsim.frames import Array, set_matrix, turn_quaternion
 from floatsim.jit import kernel
@@ -66,7 +67,7 @@ def kinematics(y, k, x0, q0, v0, a0, aux0, x, q, R, v, a, aux):  # type: ignore[
 @kernel
 def predict(y, k, v0, a0, aux0):  # type: ignore[no-untyped-def]
     """Increment for an unchanged true acceleration."""
-    h, beta, am, af = k[0], k[1], k[3], k[4]
+    h, beta, am = k[0], k[1], k[3]
     for i in range(v0.shape[0]):
         new = (a0[i] - am * aux0[i]) / (1.0 - am)
         y[i] = h * v0[i] + h * h * ((0.5 - beta) * aux0[i] + beta * new)
@@ -141,7 +142,7 @@ class Stepper:
             aux0, v0 = state.aux, state.v
         k = self._k
         k[:] = (h, sch.beta, sch.gamma, sch.alpha_m, sch.alpha_f)
-        y, d = self._y, self._d
+        y = self._y
         predict(y, k, v0, state.a, aux0)
         np.copyto(w.lam, state.lam)
         w.still = False
@@ -291,7 +292,7 @@ def step(
     does not converge the state comes back unchanged with `report.converged` False and a reason.
     Raises CaseError for a step that is not positive.
     """
-    if not (isinstance(dt, int | float) and math.isfinite(dt) and dt > 0.0):
+    if not (is_number(dt) and dt > 0.0):
         raise CaseError(f"step: dt is {dt!r}; a positive number of seconds is allowed")
     stepper = Stepper(system, scheme, tolerance)
     new = state.copy()

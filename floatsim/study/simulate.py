@@ -27,6 +27,7 @@ from floatsim.study.channels import Sampler
 from floatsim.study.store import Writer, check_path
 from floatsim.system.state import State
 from floatsim.system.system import System, assemble
+from floatsim.version import __version__
 
 MAX_CUTS = 12  # halvings of the asked step before a run gives up
 _CALM = 4  # good steps before a cut step is doubled again
@@ -167,8 +168,8 @@ def simulate(
     if now.step == 0.0:
         stepper.start(now, h)
     case: dict[str, str | int | float] = {
-        "title": system.model.name, "water_depth": sea.depth,
-        **(attributes or {}),
+        "title": system.model.name, "water_depth": sea.depth, "floatsim_version": __version__,
+        **seed_of(sea.waves), **(attributes or {}),
         "scheme": stepper.scheme.name, "step": h, "output_interval": interval, "duration": duration,
     }  # fmt: skip
     store: _Memory | Writer
@@ -210,6 +211,12 @@ def simulate(
         times = np.asarray(t0 + interval * np.arange(loop.outputs + 1), dtype=np.float64)
     return Run("failed" if failure else "done", failure, now, loop.steps, loop.cuts, loop.iterations, wall, path,
                times, rows, sampler)  # fmt: skip
+
+
+def seed_of(waves: Any) -> dict[str, int]:
+    """The seed of the waves as an attribute of the output, if they have one."""
+    seed = getattr(waves, "seed", None)
+    return {} if seed is None else {"seed": int(seed)}
 
 
 class _Memory:

@@ -160,7 +160,8 @@ class System:
 
     def _extent(self) -> float:
         """A length of the whole model [m], for tolerances: its points, arms, fixed points and bodies' own sizes."""
-        arms = [self.constraints.arms.ravel(), *(batch.arms.ravel() for batch in self.batches if hasattr(batch, "arms"))]
+        arms = [self.constraints.arms.ravel()]
+        arms += [batch.arms.ravel() for batch in self.batches if hasattr(batch, "arms")]
         spread = np.ptp(self.x0[: self.n_point], axis=0) if self.n_point else np.zeros(3)
         own = [part.extent for part in self.numbering.parts if hasattr(part, "extent")]
         return float(max(spread.max(), np.abs(np.concatenate(arms)).max(initial=0.0), *own, 1e-3))
@@ -270,7 +271,7 @@ class System:
         w.c[:] = saved
         return G[self.n_dof :, : self.n_dof]
 
-    def row_name(self, k: int) -> str:
+    def row_name(self, k: int | np.integer) -> str:
         """Joint of constraint row k."""
         return self._row_names[k]
 
