@@ -26,7 +26,7 @@ from floatsim.solve.modes import Mode, natural_modes
 from floatsim.solve.scheme import Scheme, generalised_alpha, hht, newmark
 from floatsim.solve.static import StaticReport, solve_static
 from floatsim.solve.step import Stepper, StepReport, step
-from floatsim.study.decay_test import DecayTest, decay_test
+from floatsim.study.release import DecayTest, decay_test
 from floatsim.study.simulate import Run, simulate
 from floatsim.system.state import State
 from floatsim.system.system import System, assemble

@@ -32,6 +32,7 @@ from floatsim.hydro.database import HydroDatabase, require_match
 from floatsim.hydro.excitation import Excitation
 from floatsim.hydro.radiation import RadiationHistory, RadiationKernel
 from floatsim.jit import kernel
+from floatsim.parts.part import Part
 
 Index = NDArray[np.int64]
 
@@ -87,27 +88,15 @@ class PotentialFlow(Description):
         return Floater(name=f"{body.name}.hydro", body=body)
 
 
-class Floater(Description):
+class Floater(Part):
     """The hydrodynamic loads of one body."""
 
     name: str
     body: Any
 
-    n_points: ClassVar[int] = 0
-    n_rotations: ClassVar[int] = 0
-
     @staticmethod
     def batch() -> type[FloaterBatch]:
         return FloaterBatch
-
-    def anchors(self) -> dict[str, tuple[int, int, tuple[float, float, float]]]:
-        return {}
-
-    def children(self) -> list[Any]:
-        return []
-
-    def internal_balls(self) -> list[tuple[int, int]]:
-        return []
 
 
 @kernel

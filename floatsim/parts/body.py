@@ -20,16 +20,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
-from floatsim.description import Description, Name, Positive, Vector3, numbers
+from floatsim.description import Name, Positive, Vector3, numbers
 from floatsim.frames import Array, at, cross, dot, matrix_from_angles, minus, plus, rotate, times, unit, unrotate
 from floatsim.jit import kernel
+from floatsim.parts.part import Anchor, Part
 
 Index = NDArray[np.int64]
 
 Inertia = Annotated[tuple[float, ...], numbers("3 finite numbers (xx, yy, zz) or 6 (xx, yy, zz, xy, xz, yz)", 3, 6)]
 
 
-class Body(Description):
+class Body(Part):
     """A rigid body.
 
     mass [kg]; inertia [kg m2] about the centre of mass in body axes: (xx, yy, zz) or (xx, yy, zz, xy,
@@ -49,7 +50,6 @@ class Body(Description):
     points: dict[Name, Vector3] = {}
     hydro: Any = None
 
-    n_points: ClassVar[int] = 1
     n_rotations: ClassVar[int] = 1
 
     @field_validator("hydro")
@@ -85,11 +85,15 @@ class Body(Description):
         lever = float(np.dot(self.center_of_mass, self.center_of_mass))
         return math.sqrt(float(np.linalg.eigvalsh(self.inertia_tensor)[2]) / self.mass + lever)
 
+    @property
+    def n_points(self) -> int:
+        return 1
+
     @staticmethod
     def batch() -> type[BodyBatch]:
         return BodyBatch
 
-    def anchors(self) -> dict[str, tuple[int, int, tuple[float, float, float]]]:
+    def anchors(self) -> dict[str, Anchor]:
         """Connection points: name -> (local point, local rotation, arm in the body frame)."""
         return {"": (0, 0, (0.0, 0.0, 0.0)), **{name: (0, 0, arm) for name, arm in self.points.items()}}
 
@@ -97,16 +101,10 @@ class Body(Description):
         """Parts that come with this one."""
         return [] if self.hydro is None else [self.hydro.attached_to(self)]
 
-    def internal_balls(self) -> list[tuple[int, int]]:
-        return []
-
     def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
         """Drawing position: point (1, 3) and rotation matrix (1, 3, 3)."""
         R = matrix_from_angles(*np.radians(self.attitude_deg))
         return np.array([self.position]), R[None]
-
-    def problems(self, ends: dict[str, Array], depth: float) -> list[str]:
-        return []
 
 
 @kernel

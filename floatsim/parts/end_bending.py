@@ -13,16 +13,17 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from floatsim.description import Description, Vector3
+from floatsim.description import Vector3
 from floatsim.errors import ModelError
-from floatsim.frames import Array, at, cross, minus, plus, rotate, times, unit, vec
+from floatsim.frames import at, cross, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
 from floatsim.parts.line import Line, bend
+from floatsim.parts.part import Part
 
 Index = NDArray[np.int64]
 
 
-class EndBending(Description):
+class EndBending(Part):
     """Bending at line end `end` against `direction` (pointing into the line) in the frame of `to`."""
 
     name: str
@@ -30,27 +31,9 @@ class EndBending(Description):
     to: str | Vector3
     direction: Vector3
 
-    n_points: ClassVar[int] = 0
-    n_rotations: ClassVar[int] = 0
-
     @staticmethod
     def batch() -> type[EndBendingBatch]:
         return EndBendingBatch
-
-    def anchors(self) -> dict[str, tuple[int, int, tuple[float, float, float]]]:
-        return {}
-
-    def children(self) -> list[Any]:
-        return []
-
-    def internal_balls(self) -> list[tuple[int, int]]:
-        return []
-
-    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
-        return np.empty((0, 3)), np.empty((0, 3, 3))
-
-    def problems(self, ends: dict[str, Array], depth: float) -> list[str]:
-        return []
 
 
 @kernel

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ from floatsim.frames import Array, at, cross, dot, minus, plus, times, vec
 from floatsim.jit import kernel
 from floatsim.laws.angle import half_angle_squared
 from floatsim.laws.green import green_linear
+from floatsim.parts.part import Anchor, Part
 
 Index = NDArray[np.int64]
 
@@ -94,7 +95,7 @@ class Section(Description):
         return self.axial_damping or 0.0
 
 
-class Line(Description):
+class Line(Part):
     """A line of equal elements from end_a to end_b.
 
     length [m]: unstretched. elements: their number. end_a_position, end_b_position [m]: where an end
@@ -113,8 +114,6 @@ class Line(Description):
     form: Literal["shared", "ball_joints"] = "shared"
     taut: bool = False
 
-    n_rotations: ClassVar[int] = 0
-
     @field_validator("elements")
     @classmethod
     def _countable(cls, value: int) -> int:
@@ -130,7 +129,7 @@ class Line(Description):
     def n_points(self) -> int:
         return self.elements + 1 if self.form == "shared" else 2 * self.elements
 
-    def anchors(self) -> dict[str, tuple[int, int, tuple[float, float, float]]]:
+    def anchors(self) -> dict[str, Anchor]:
         """Connection points: name -> (local point, local rotation or -1, arm in the body frame)."""
         zero = (0.0, 0.0, 0.0)
         return {"end_a": (0, -1, zero), "end_b": (self.n_points - 1, -1, zero)}
@@ -141,10 +140,6 @@ class Line(Description):
         if self.form == "shared":
             return np.arange(self.elements + 1)
         return np.concatenate([[0], 2 * np.arange(self.elements) + 1])
-
-    def children(self) -> list[Any]:
-        """Parts that come with this one."""
-        return []
 
     def internal_balls(self) -> list[tuple[int, int]]:
         """Pairs of local points that ball joints tie together (form 'ball_joints')."""

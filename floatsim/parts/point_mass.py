@@ -8,43 +8,36 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from floatsim.description import Description, Name, Positive, Vector3
+from floatsim.description import Name, Positive, Vector3
 from floatsim.frames import Array
 from floatsim.jit import kernel
+from floatsim.parts.part import Anchor, Part
 
 Index = NDArray[np.int64]
 
 
-class PointMass(Description):
+class PointMass(Part):
     """A point with mass [kg] at a drawing position [m]. Connection point: `NAME`."""
 
     name: Name
     mass: Positive
     position: Vector3
 
-    n_points: ClassVar[int] = 1
-    n_rotations: ClassVar[int] = 0
+
+    @property
+    def n_points(self) -> int:
+        return 1
 
     @staticmethod
     def batch() -> type[PointMassBatch]:
         return PointMassBatch
 
-    def anchors(self) -> dict[str, tuple[int, int, tuple[float, float, float]]]:
+    def anchors(self) -> dict[str, Anchor]:
         """Connection points: name -> (local point, local rotation or -1, arm)."""
         return {"": (0, -1, (0.0, 0.0, 0.0))}
 
-    def children(self) -> list[Any]:
-        """Parts that come with this one."""
-        return []
-
-    def internal_balls(self) -> list[tuple[int, int]]:
-        return []
-
     def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
         return np.array([self.position]), np.empty((0, 3, 3))
-
-    def problems(self, ends: dict[str, Array], depth: float) -> list[str]:
-        return []
 
 
 @kernel

@@ -17,14 +17,15 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from floatsim.description import Description, Name, NonNegative, Target
-from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, unit, vec
+from floatsim.description import Name, NonNegative, Target
+from floatsim.frames import at, cross, dot, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
+from floatsim.parts.part import Part
 
 Index = NDArray[np.int64]
 
 
-class Spring(Description):
+class Spring(Part):
     """Spring and damper from `a` to `b`: names of connection points, or fixed points (x, y, z) [m].
 
     stiffness [N/m], damping [N s/m], free_length [m], tension_only.
@@ -38,25 +39,9 @@ class Spring(Description):
     damping: NonNegative = 0.0
     tension_only: bool = False
 
-    n_points: ClassVar[int] = 0
-    n_rotations: ClassVar[int] = 0
-
     @staticmethod
     def batch() -> type[SpringBatch]:
         return SpringBatch
-
-    def anchors(self) -> dict[str, tuple[int, int, tuple[float, float, float]]]:
-        return {}
-
-    def children(self) -> list[Any]:
-        """Parts that come with this one."""
-        return []
-
-    def internal_balls(self) -> list[tuple[int, int]]:
-        return []
-
-    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
-        return np.empty((0, 3)), np.empty((0, 3, 3))
 
     def problems(self, ends: dict[str, Array], depth: float) -> list[str]:
         """What only shows once the ends are known."""

@@ -10,7 +10,7 @@ import numpy as np
 from floatsim.parts.body import Body
 from floatsim.parts.line import Line
 from floatsim.study.channels import Sampler
-from floatsim.study.decay_test import DOFS, DecayTest, pose
+from floatsim.study.release import DOFS, DecayTest, pose
 from floatsim.study.store import Writer
 from floatsim.system.state import State
 from floatsim.system.system import System

@@ -49,7 +49,7 @@ class Row:
 
 def static_rows(model: fs.Model) -> list[Row]:
     """Equilibrium and line end forces."""
-    from floatsim.study.decay_test import pose
+    from floatsim.study.release import pose
 
     system = fs.assemble(model)
     state, _ = fs.solve_static(system)

@@ -262,7 +262,7 @@ def test_the_moored_system_does_not_notice_where_it_is_drawn(record, monkeypatch
     b.x[:-1] = a.x[:-1] @ T.T + shift
     b.q[0] = turn_quaternion((0.0, 0.0, psi), tuple(a.q[0]))
     b.lam[:] = (a.lam.reshape(-1, 3) @ T.T).ravel()
-    steppers = [fs.Stepper(system, tolerance=1e-9) for system in systems]
+    steppers = [fs.Stepper(system, tolerance=1e-11) for system in systems]
     worst, fastest = np.zeros(4), 0.0
     for stepper, state in zip(steppers, (a, b), strict=True):
         stepper.start(state, 0.1)
