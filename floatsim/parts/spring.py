@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floatsim.description import Name, NonNegative, Target
-from floatsim.frames import at, cross, dot, minus, plus, rotate, times, unit, vec
+from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
 from floatsim.parts.part import Part
 
