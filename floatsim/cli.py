@@ -77,7 +77,7 @@ def _writable(output: str | None) -> None:
 class _Bar:
     """Progress on a terminal: simulated time, real-time factor, Newton iterations. Nothing elsewhere."""
 
-    def __init__(self, duration: float) -> None:
+    def __init__(self, duration: float | None) -> None:
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
         self.duration = duration
@@ -95,7 +95,7 @@ class _Bar:
 
         def show(t: float, iterations: int) -> None:
             factor = t / max(time.perf_counter() - began, 1e-9)
-            whole = f" of {self.duration:g}" if self.duration > 0.0 else ""
+            whole = "" if self.duration is None else f" of {self.duration:g}"
             note = f"{t:.1f}{whole} s, {factor:.0f} x real time, {iterations} Newton iterations"
             self.bar.update(task, completed=t, note=note)
 
@@ -129,7 +129,7 @@ def common(
 @app.command()
 def check(script: Script, p: Parameters = []) -> None:  # noqa: B006
     """Problems, equilibrium sheet, hydrodynamic checks and the table of unknowns."""
-    from floatsim.study.sheet import body_sheets, database_findings, dof_table, line_notes
+    from floatsim.study.sheet import body_sheets, database_findings, dof_table, line_notes, memory_notes
 
     system, _ = _load(script, p)
     model, console = system.model, _console()
@@ -153,7 +153,7 @@ def check(script: Script, p: Parameters = []) -> None:  # noqa: B006
     if findings:
         rows = [[f"{body}: {f.quantity}", f.severity, f.message] for body, f in findings]
         console.print(_table("hydrodynamic database", ["quantity", "verdict", "what was found"], rows))
-    for note in line_notes(model):
+    for note in [*memory_notes(system), *line_notes(model)]:
         console.print(note)
     rows = [[name, kind, str(a), str(b)] for name, kind, a, b in dof_table(system)]
     console.print(_table("unknowns", ["name", "kind", "points or rows", "rotations"], rows))
@@ -220,7 +220,7 @@ def decay(
     _writable(output)
     system, attributes = _load(script, p, command="decay", dof=dof, offset=offset, body=body, release=release,
                                duration=duration, dt=dt)  # fmt: skip
-    with _Bar(duration or 0.0) as show:
+    with _Bar(duration) as show:
         result = floatsim.decay_test(
             system, dof, offset, body=body, release=release, duration=duration, dt=dt, output=output,  # type: ignore[arg-type]
             attributes=attributes, progress=show,

@@ -10,6 +10,7 @@ import numpy as np
 from floatsim.errors import SolveFailed
 from floatsim.frames import Array
 from floatsim.hydro.database import Finding, check_database
+from floatsim.hydro.floater import FloaterBatch
 from floatsim.model import Model
 from floatsim.parts.body import Body
 from floatsim.parts.line import Line
@@ -127,6 +128,16 @@ def database_findings(model: Model) -> list[tuple[str, Finding]]:
         for body in model.parts
         if isinstance(body, Body) and body.hydro is not None
         for finding in check_database(body.hydro.data)
+    ]
+
+
+def memory_notes(system: System) -> list[str]:
+    """Per floater how well its radiation memory gives back the database it was made from."""
+    batches = [batch for batch in system.batches if isinstance(batch, FloaterBatch)]
+    return [
+        f"{part.body.name}: {kernel.residual.summary()} ({kernel.memory:g} s of memory)"
+        for batch in batches
+        for part, kernel in zip(batch.parts, batch.kernels, strict=True)
     ]
 
 
