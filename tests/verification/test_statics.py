@@ -180,3 +180,43 @@ def test_static_mooring(record):
     force = sum(end_force(system, state, f"m{k}_end_b") for k in range(3)) / 1e6
     record("static mooring", "surge restoring at -30 m", force[0], (1.990 * 0.995, 1.990 * 1.005), "MN")
     record("static mooring", "vertical force at -30 m", force[2], (-6.554 * 1.005, -6.554 * 0.995), "MN")
+
+
+# --- lines as they come ----------------------------------------------------------------------------------------
+
+
+def random_line(rng):
+    """A chain, cable or rope between the seabed and a point above it: taut to lying in heaps."""
+    depth = rng.uniform(30.0, 400.0)
+    low = np.array([rng.uniform(0.05, 4.0) * depth, 0.0, -depth])
+    top = np.array([0.0, 0.0, -rng.uniform(0.0, 0.3) * depth])
+    slack = rng.choice([rng.uniform(1.0005, 1.01), rng.uniform(1.01, 1.3), rng.uniform(1.3, 2.0)])
+    sections = (
+        {"mass_per_length": rng.uniform(50.0, 700.0), "diameter": 0.2, "EA": 10.0 ** rng.uniform(8.0, 9.5)},
+        {"mass_per_length": rng.uniform(30.0, 100.0), "diameter": 0.15, "EA": 5e8, "EI": 10.0 ** rng.uniform(3.5, 5.0)},
+        {"mass_per_length": 25.0, "diameter": 0.15, "EA": 3e7},
+    )
+    section = fs.Section(name="section", **sections[rng.integers(3)])
+    line = fs.Line(name="line", section=section, length=slack * np.linalg.norm(top - low),
+                   elements=int(rng.integers(10, 250)))  # fmt: skip
+    joints = [fs.Ball(a="line.end_a", b=low), fs.Ball(a="line.end_b", b=top)]
+    return fs.Model(parts=[line], joints=joints, sea=fs.Sea(depth=depth))
+
+
+@pytest.mark.slow
+def test_random_lines_find_their_equilibrium(record):
+    """From the crude shape; a solve that does not arrive raises."""
+    rng = np.random.default_rng(20261122)
+    worst, failed = 0.0, 0
+    for _ in range(200):
+        model = random_line(rng)
+        line = model.parts[0]
+        try:
+            _, report = fs.solve_static(fs.assemble(model))
+        except fs.SolveFailed:
+            failed += 1
+            continue
+        weight = line.section.mass_per_length * G * line.length
+        worst = max(worst, report.residual_force / weight)
+    record("statics of 200 random lines, taut to slack", "that did not converge", failed, 0)
+    record("statics of 200 random lines, taut to slack", "largest unbalanced force over the weight", worst, 1e-6)
