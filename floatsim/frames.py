@@ -121,34 +121,6 @@ def set_matrix(R, i, q):  # type: ignore[no-untyped-def]
     R[i, 2, 2] = 1.0 - 2.0 * (x * x + y * y)
 
 
-@kernel
-def rotation_vector(q):  # type: ignore[no-untyped-def]
-    """Rotation vector (axis times angle, angle up to pi) of a unit quaternion (4-tuple)."""
-    w, x, y, z = q
-    if w < 0.0:
-        w, x, y, z = -w, -x, -y, -z
-    s = math.sqrt(x * x + y * y + z * z)
-    f = 2.0 * math.atan2(s, w) / s if s > 1e-9 else 2.0 / w
-    return (f * x, f * y, f * z)
-
-
-@kernel
-def turn_rate(phi, e):  # type: ignore[no-untyped-def]
-    """Change of the rotation vector phi when its rotation is turned by the small spatial vector e.
-
-    Inverse left Jacobian of SO(3): e - phi x e / 2 + c phi x (phi x e),
-    c = 1/t^2 - (1 + cos t)/(2 t sin t) = (1 - (t/2) cot(t/2))/t^2, t = |phi|.
-    """
-    t2 = dot(phi, phi)
-    if t2 < 1e-4:
-        c = 1.0 / 12.0 + t2 / 720.0 + t2 * t2 / 30240.0
-    else:
-        h = 0.5 * math.sqrt(t2)
-        c = (1.0 - h / math.tan(h)) / t2
-    pe = cross(phi, e)
-    return plus(e, plus(times(-0.5, pe), times(c, cross(phi, pe))))
-
-
 def matrix_from_angles(roll: float, pitch: float, yaw: float) -> Array:
     """R_WB = Rz(yaw) Ry(pitch) Rx(roll), angles in rad. Shape (3, 3)."""
     cr, sr, cp, sp, cy, sy = (

@@ -1,7 +1,7 @@
 """Linear potential-flow loads on a floater, and the quadratic damping that goes with them.
 
 In the horizontal frame at the body's mean heading (the drawing heading), origin at the displaced
-reference point, with nu = (v, w), xi = (displacement, rotation vector) and u the current:
+reference point, with nu = (v, w), xi = (displacement, tilt and yaw) and u the current:
 
     F = (0, 0, rho g V0, rho g V0 y_B0, -rho g V0 x_B0, 0)        constant buoyancy wrench
       - (C + K_add) xi                                           C = waterplane + rho g V z_B, no weight
@@ -11,7 +11,12 @@ reference point, with nu = (v, w), xi = (displacement, rotation vector) and u th
 (Cummins 1962; hydrostatics: the buoyancy wrench stays at the displaced reference point and V z_B stands
 in C, so that a surge changes no moment and nothing is counted twice.) Simplifications that are the
 field's habit: excitation and coefficients at the drawing position, no velocity-product terms of the
-added mass, C xi linear in the rotation vector. Weight acts on the body's mass, at any angle.
+added mass, C xi linear in tilt and yaw. Weight acts on the body's mass, at any angle.
+
+Tilt and yaw: the body yaws first, then tilts by an angle about one horizontal axis, the tilt vector. For small angles
+that is the rotation vector; but the rotation vector of a body yawed by psi and tilted lies psi/2 off the axis of the
+tilt. A restoring moment along it drives roll by pitch and pitch by minus roll: a damping ratio of -psi/4 for a body
+as stiff in roll as in pitch, where the moment along the tilt has a potential.
 """
 
 from __future__ import annotations
@@ -27,11 +32,12 @@ from numpy.typing import NDArray
 
 from floatsim.description import Description, Matrix6, Positive
 from floatsim.errors import ModelError
-from floatsim.frames import Array, rotation_vector, turn_quaternion, turn_rate, unit
+from floatsim.frames import Array, cross, turn_quaternion, unit
 from floatsim.hydro.database import HydroDatabase, require_match
 from floatsim.hydro.excitation import Excitation
 from floatsim.hydro.radiation import RadiationHistory, RadiationKernel
 from floatsim.jit import kernel
+from floatsim.laws.angle import half_angle_squared
 from floatsim.parts.part import Part
 
 Index = NDArray[np.int64]
@@ -115,11 +121,7 @@ def floater_loads(x, q, v, a, u, c, where, P, matrices, external, nu_out, slots,
         co, si = P[b, 0], P[b, 1]
         dp, dr = 3 * p, base + 3 * k
         back = (P[b, 5], -P[b, 6], -P[b, 7], -P[b, 8])
-        phi = rotation_vector(_product((q[k, 0], q[k, 1], q[k, 2], q[k, 3]), back))
-        for m in range(3):
-            e = turn_rate(phi, unit(m))
-            for n in range(3):
-                L[n, m] = e[n]
+        phi = _tilt_and_yaw(_product((q[k, 0], q[k, 1], q[k, 2], q[k, 3]), back), L)
         d = (x[p, 0] - P[b, 2], x[p, 1] - P[b, 3], x[p, 2] - P[b, 4])
         _to_heading(co, si, d, phi, xi)
         _to_heading(co, si, (v[dp], v[dp + 1], v[dp + 2]), (v[dr], v[dr + 1], v[dr + 2]), nu)
@@ -176,6 +178,27 @@ def floater_loads(x, q, v, a, u, c, where, P, matrices, external, nu_out, slots,
         for m in range(6):
             for n in range(6):
                 A[slots[b, 6 * m + n]] += K[m, n]
+
+
+@kernel
+def _tilt_and_yaw(q, rates):  # type: ignore[no-untyped-def]
+    """(tilt x, tilt y, yaw) of a rotation (unit quaternion, 4-tuple): a yaw, then a tilt about a horizontal axis.
+
+    rates (3, 3): column j is their change when the rotation is turned about world axis j. With n = R e_z at the angle
+    theta to e_z, tilt = theta/sin(theta) e_z x n; turning by e changes n by e x n, yaw by e . (e_z + n)/(1 + n_z).
+    """
+    w, x, y, z = q
+    if w < 0.0:
+        w, x, y, z = -w, -x, -y, -z
+    n = (2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y))
+    sine = max(math.sqrt(n[0] * n[0] + n[1] * n[1]), 1e-9)  # upside down there is no axis of the tilt
+    _, f, slope = half_angle_squared(n[2], sine)  # f = -theta/sin(theta), slope = df/dn_z
+    for j in range(3):
+        d = cross(unit(j), n)
+        rates[0, j] = f * d[1] + slope * d[2] * n[1]
+        rates[1, j] = -f * d[0] - slope * d[2] * n[0]
+        rates[2, j] = (n[j] + (1.0 if j == 2 else 0.0)) / max(1.0 + n[2], 1e-9)
+    return (f * n[1], -f * n[0], 2.0 * math.atan2(z, w))
 
 
 @kernel

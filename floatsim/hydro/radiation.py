@@ -25,7 +25,7 @@ cutting K itself leaves a spurious B(0), of either sign, that a slow surge decay
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -288,6 +288,16 @@ class RadiationHistory:
     def __deepcopy__(self, memo: object) -> RadiationHistory:
         """As `copy`: copying attribute by attribute would part the ring from its flat view."""
         return self.copy()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickling, for the same reason: kernel and saved arrays, put together again."""
+        return _restored, (self.kernel, self.arrays())
+
+
+def _restored(kernel: RadiationKernel, arrays: dict[str, Array]) -> RadiationHistory:
+    history = RadiationHistory(kernel)
+    history.restore(arrays)
+    return history
 
 
 @kernel

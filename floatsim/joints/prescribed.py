@@ -41,7 +41,7 @@ class Motion:
         first = _values(position, "position", 0.0)
         if first.shape not in ((3,), (6,)):
             raise ModelError(f"Motion: position(0) has shape {first.shape}; 3 (point) or 6 (body) numbers are allowed")
-        self.columns = len(first)
+        self.columns, self.start = len(first), first
         self._check()
 
     @classmethod
@@ -153,10 +153,18 @@ class Prescribed(Description):
         ground = place((0.0, 0.0, 0.0))
         rows: list[Coincide | Align] = [Coincide(a, ground, self.motion)]
         if self.motion.columns == 6:
-            if attitude(a.rotation) is None:
+            drawn = attitude(a.rotation)
+            if drawn is None:
                 raise ModelError(
                     f"Prescribed '{self.label}': the motion has 6 columns but '{self.a}' has no rotation; "
                     "give 3 columns"
+                )
+            apart = np.linalg.norm(drawn - self.motion.rotation(0.0)[0]) / math.sqrt(2.0)  # angle, while it is small
+            if apart > 1e-6:  # axes that stay normal do so half a turn away, too: the rows would not notice
+                at = "roll, pitch, yaw {:.6g}, {:.6g}, {:.6g} rad".format(*self.motion.start[3:])
+                raise ModelError(
+                    f"Prescribed '{self.label}': the motion starts at {at}, which is not how '{self.a}' is drawn; give "
+                    "the body the same attitude_deg"
                 )
             rows += weld_axes(a, ground, np.eye(3), np.eye(3), self.motion)
         return rows

@@ -110,7 +110,7 @@ class EndBendingBatch:
         self._f, self._Kb, self._Cb, self._K = np.zeros(6), np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((9, 9))
 
     def connect(self, numbering: Any) -> None:
-        """Resolve the line ends; ModelError if an end is not a line's or its section has no EI."""
+        """Resolve the line ends; ModelError if an end is not a line's, its section has no EI or `to` no rotation."""
         where, E = [], []
         for part in self.parts:
             line, first = numbering.part(part.end)
@@ -124,6 +124,11 @@ class EndBendingBatch:
             n, l0 = line.n_points, line.length / line.elements
             p0, p1 = (first, first + 1) if part.end.endswith("end_a") else (first + n - 1, first + n - 2)
             frame = numbering.place(part.to)
+            if isinstance(part.to, str) and frame.rotation == numbering.place((0.0, 0.0, 0.0)).rotation:
+                raise ModelError(
+                    f"Clamp '{part.name}': '{part.to}' has no rotation that could hold a direction; clamp to a body's "
+                    "connection point or to a fixed point (x, y, z), or use Ball"
+                )
             where.append((frame.rotation, p0, p1))
             e = np.asarray(part.direction) / np.linalg.norm(part.direction)
             k = line.section.EI / (0.5 * l0)

@@ -77,7 +77,7 @@ def solve_static(
                 relax.back()
             elif not relax.forward():
                 return relax.fail(iteration, "the stiffness matrix is singular: something is free to drift")
-    return relax.fail(MAX_ITERATIONS, relax.work.trouble or "no convergence")
+    return relax.fail(MAX_ITERATIONS * len(PUSHES), relax.work.trouble or "no convergence")
 
 
 class _Relaxation:

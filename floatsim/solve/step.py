@@ -216,7 +216,10 @@ class Stepper:
         Positions fulfil the constraint, so stepping with h leaves G v + dg/dt = C h^2 G v'' with
         C = 1/6 - (am - af)/2 - beta. Velocities start with that; from exact ones the multipliers would be
         off by O(h) until that has died away (Arnold, Bruls & Cardona 2015, Numerische Mathematik 129).
+
+        Raises CaseError for joints that are open in the state: the first step would slam them shut.
         """
+        self._require_closed(state)
         state.v -= self._normal_part(state, state.v, 1.0)
         state.a[:], state.lam[:] = self._acceleration(state, 0.0)
         shift = (self.scheme.alpha_f - self.scheme.alpha_m) * h
@@ -229,6 +232,19 @@ class Stepper:
             share = 1.0 / 6.0 - 0.5 * (sch.alpha_m - sch.alpha_f) - sch.beta
             state.v += share * h * h * self._normal_part(state, (ahead - state.a) / shift, 0.0)
         state.step = h
+
+    def _require_closed(self, state: State) -> None:
+        w, sys = self.work, self.system
+        self._at(state, 0.0)
+        w.c[:4] = (0.0, 0.0, 0.0, 1.0)
+        sys.evaluate(w)
+        gap = np.abs(w.r[sys.n_dof :])
+        if gap.max(initial=0.0) > 1e-6 * sys.length:
+            worst = int(gap.argmax())
+            raise CaseError(
+                f"state: joint '{sys.row_name(worst)}' is open by {gap[worst]:.6g} m (or rad) at t = {state.t:g} s; "
+                "bring its two sides together, e.g. by solve_static(system, state, hold=[...])"
+            )
 
     def _at(self, state: State, s: float) -> None:
         """Load the state moved on by the time s with its velocity and acceleration."""

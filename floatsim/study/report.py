@@ -67,7 +67,7 @@ def decay_tables(result: DecayTest) -> list[Table]:
     summary += [
         ["linear damping ratio", f"{100.0 * fit.damping_ratio:.3f} %"],
         ["quadratic damping, b of b |x'| x'", quadratic],
-        ["fitted over amplitudes", f"{low:.3g} to {high:.3g} {unit}"],
+        ["fitted over amplitudes", f"{low:.3g} to {high:.3g} {unit}, {len(fit.decrement)} half cycles"],
     ]
     title = f"{result.dof} decay of '{result.body}' from {result.offset:g} {unit} about {result.equilibrium:.4f} {unit}"
     return [

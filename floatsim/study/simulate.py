@@ -20,6 +20,7 @@ from floatsim.description import is_number
 from floatsim.errors import CaseError, ModelError, SolveFailed
 from floatsim.frames import Array
 from floatsim.model import Model
+from floatsim.sea.waves import Realisation
 from floatsim.solve.scheme import Scheme
 from floatsim.solve.static import solve_static
 from floatsim.solve.step import Stepper
@@ -29,6 +30,7 @@ from floatsim.system.state import State
 from floatsim.system.system import System, assemble
 from floatsim.version import __version__
 
+STEPS_PER_WAVE, FAST_SHARE = 10.0, 0.05  # steps a wave needs, and how much of the energy may have fewer
 MAX_CUTS = 12  # halvings of the asked step before a run gives up
 _CALM = 4  # good steps before a cut step is doubled again
 
@@ -45,14 +47,14 @@ class Run:
 
     status: Literal["done", "failed"]
     failure: str
-    state: State
+    state: State = field(repr=False)
     steps: int
     cut_steps: int
     newton_iterations: int
     wall_time: float
     path: Path | None
-    time: Array
-    rows: Array
+    time: Array = field(repr=False)
+    rows: Array = field(repr=False)
     sampler: Sampler = field(repr=False)
 
     @property
@@ -148,12 +150,8 @@ def simulate(
     duration, dt, interval = _check_case(duration, dt, interval, output, precision, scheme, tolerance, state)
     system = as_system(model)
     sea = system.model.sea
-    lasts = np.inf if sea.waves is None else sea.waves.realise(sea.depth, system.model.gravity).duration
-    if duration > lasts * (1.0 + 1e-9):
-        raise CaseError(
-            f"duration is {duration:g} s, but the waves are only known not to repeat within {lasts:g} s; give the "
-            "irregular waves a longer duration"
-        )
+    if sea.waves is not None:
+        _check_waves(sea.waves.realise(sea.depth, system.model.gravity), duration, min(dt, interval))
     if state is not None and (state.x.shape != system.x0.shape or len(state.lam) != system.n_con):
         raise CaseError(f"state: it belongs to another system than '{system.model.name}'")
     stepper = Stepper(system, scheme, tolerance)
@@ -211,6 +209,22 @@ def simulate(
         times = np.asarray(t0 + interval * np.arange(loop.outputs + 1), dtype=np.float64)
     return Run("failed" if failure else "done", failure, now, loop.steps, loop.cuts, loop.iterations, wall, path,
                times, rows, sampler)  # fmt: skip
+
+
+def _check_waves(waves: Realisation, duration: float, h: float) -> None:
+    """Refuse a run longer than its waves, and steps that cannot follow them."""
+    if duration > waves.duration * (1.0 + 1e-9):
+        raise CaseError(
+            f"duration is {duration:g} s, but the waves are only known not to repeat within {waves.duration:g} s; give "
+            "the irregular waves a longer duration"
+        )
+    fast = 2.0 * np.pi / waves.omega < STEPS_PER_WAVE * h
+    share = float(0.5 * np.sum(waves.amplitude[fast] ** 2) / max(waves.variance, np.finfo(float).tiny))
+    if share > FAST_SHARE:
+        raise CaseError(
+            f"dt is {h:g} s, but {100.0 * share:.3g} % of the waves' energy has periods below "
+            f"{STEPS_PER_WAVE:g} steps, which the integrator would distort ({100.0 * FAST_SHARE:g} % is allowed); 0.1 s is usual"
+        )
 
 
 def seed_of(waves: Any) -> dict[str, int]:

@@ -266,10 +266,11 @@ class System:
         w.r.fill(0.0)
         self.constraints.add(w)
         lay = self.layout
-        G = np.zeros((self.n, self.n))
-        G[lay.rows, lay.cols] = w.A[lay.slot]
+        own = (lay.rows >= self.n_dof) & (lay.cols < self.n_dof)
+        G = np.zeros((self.n_con, self.n_dof))
+        G[lay.rows[own] - self.n_dof, lay.cols[own]] = w.A[lay.slot[own]]
         w.c[:] = saved
-        return G[self.n_dof :, : self.n_dof]
+        return G
 
     def row_name(self, k: int | np.integer) -> str:
         """Joint of constraint row k."""

@@ -281,6 +281,21 @@ ASSEMBLY = {
         "Clamp 'buoy_joint'",
         "not the end of a line",
     ),
+    "clamp to a line": (
+        lambda: hung(
+            joints=[ball("rope.end_a", (0, 0, 60)), fs.Clamp(a="rope.end_b", b="bob", direction=(1, 0, 0))],
+            parts=[line(section=section(EI=10.0)), fs.PointMass(name="bob", mass=1.0, position=(80, 0, 60))],
+        ),
+        "Clamp 'rope_end_b'",
+        "'bob' has no rotation",
+    ),
+    "motion that starts turned": (
+        lambda: one_body(
+            [fs.Prescribed(a="buoy", motion=motion((0.0,) * 6, (0.0,) * 6, (0.0,) * 6))], attitude_deg=(0, 0, 180)
+        ),
+        "Prescribed 'buoy_joint'",
+        "attitude_deg",
+    ),
     "motion of a line's end": (
         lambda: hung(
             joints=[
@@ -425,6 +440,13 @@ def test_what_is_no_model():
 def test_state_of_another_system(pendulum):
     other = fs.assemble(model_script("hanging_chain").build()).initial_state()
     refused(fs.CaseError, lambda: fs.simulate(pendulum, 1.0, state=other), ["another system than 'pendulum'"])
+
+
+def test_state_with_an_open_joint(pendulum):
+    state = pendulum.initial_state()
+    state.x[0, 0] += 0.5
+    refused(fs.CaseError, lambda: fs.simulate(pendulum, 1.0, state=state), ["joint 'hinge' is open by 0.5 m"])
+    refused(fs.CaseError, lambda: fs.step(pendulum, state, 0.1), ["joint 'hinge' is open by 0.5 m"])
 
 
 def test_an_output_name_stands_for_one_thing():

@@ -80,3 +80,13 @@ def test_the_step_is_made_a_whole_fraction_of_the_output_interval(pendulum) -> N
     run = fs.simulate(system, 1.0, 0.03, interval=0.1, state=state)
     assert run.series("step_size")[-1] == pytest.approx(0.025)
     np.testing.assert_allclose(run.time, 0.1 * np.arange(11), atol=1e-12)
+
+
+def test_steps_too_long_for_the_waves_are_refused() -> None:
+    """Waves of 8 s at a step of 1 s: eight steps a period."""
+    body = fs.Body(name="buoy", mass=10.0, inertia=(1.0, 1.0, 1.0))
+    sea = fs.Sea(depth=50.0, waves=fs.RegularWave(height=1.0, period=8.0))
+    model = fs.Model(parts=[body], joints=[fs.Weld(a="buoy", b=(0.0, 0.0, 0.0))], sea=sea)
+    assert fs.simulate(model, 8.0, 0.8).status == "done"
+    with pytest.raises(fs.CaseError, match=r"dt is 1 s, but 100 % of the waves' energy has periods below 10 steps"):
+        fs.simulate(model, 8.0, 1.0)

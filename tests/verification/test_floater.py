@@ -4,6 +4,7 @@ The frequency-domain solution is written here from the database's tables alone: 
 interpolation of floatsim's takes part in it.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -253,10 +254,11 @@ def test_the_moored_system_does_not_notice_where_it_is_drawn(record, monkeypatch
 
     size = np.array([systems[0].length, 1.0, 1.0, np.abs(rest[0].lam).max()])
     record(ROW_TURNED, "static", (apart(*rest) / size).max(), 1e-10)
-    # a release in all six degrees of freedom at once; both runs start from the same shape of the lines
+    # a release in all six degrees of freedom at once; both runs start from the same shape of the lines. One in which a
+    # node comes to bounce on the bed makes rounding grow a million times, which is no matter of frames
     a = rest[0].copy()
-    a.x[0] += (5.0, 3.0, 2.0)
-    a.q[0] = turn_quaternion(tuple(np.radians([2.0, 4.0, 5.0])), tuple(a.q[0]))
+    a.x[0] += (4.0, 3.0, 2.0)
+    a.q[0] = turn_quaternion(tuple(np.radians([2.0, 3.0, 5.0])), tuple(a.q[0]))
     a, _ = fs.solve_static(systems[0], a, hold=["platform"])
     b = rest[1].copy()
     b.x[:-1] = a.x[:-1] @ T.T + shift
@@ -341,7 +343,7 @@ def test_surge_changes_no_hydrostatic_moment(db, record):
 
 
 def test_moment_at_a_large_angle_in_closed_form(db, record):
-    """-C55 theta + m g z_G sin(theta): waterplane linear in the rotation vector, weight at any angle."""
+    """-C55 theta + m g z_G sin(theta): waterplane linear in the tilt, weight at any angle."""
     mass = RHO * db.volume
     theta = np.radians(20.0)
     worst = 0.0
@@ -353,6 +355,52 @@ def test_moment_at_a_large_angle_in_closed_form(db, record):
         want = -db.hydrostatic_stiffness[4, 4] * theta + mass * GRAVITY * CM[2] * np.sin(theta)
         worst = max(worst, abs(moment[1] / want - 1.0), abs(moment[0] / want), abs(moment[2] / want))
     record(ROW_STATICS, "pitch moment at 20 deg, any heading", worst, 1e-12)
+
+
+def isotropic(db: fs.HydroDatabase) -> fs.HydroDatabase:
+    """As stiff and as heavy in roll as in pitch, making no waves: such a floater has no heading."""
+    C, A = np.diag(np.diag(db.hydrostatic_stiffness)), np.diag(np.diag(db.added_mass_inf))
+    C[3, 3], A[1, 1], A[3, 3] = C[4, 4], A[0, 0], A[4, 4]
+    return replace(db, hydrostatic_stiffness=C, added_mass_inf=A, radiation_damping=np.zeros_like(db.radiation_damping),
+                   added_mass=np.broadcast_to(A, db.added_mass.shape))  # fmt: skip
+
+
+@pytest.mark.parametrize("psi", [10.0, 60.0, -120.0, 179.0])
+def test_a_yawed_floater_rights_itself_about_the_axis_of_its_tilt(db, record, psi):
+    """-C55 theta + m g z_G sin(theta) about the axis of the tilt and nothing across it, however the body is yawed."""
+    db = isotropic(db)
+    system = fs.assemble(fs.Model(parts=[floater(db)], sea=SEA))
+    theta = np.radians(6.0)
+    axis = np.array([np.cos(0.3), np.sin(0.3), 0.0])
+    moment = total_load(system, np.zeros(3), exp(theta * axis) @ about_z(np.radians(psi)))[3:]
+    want = -db.hydrostatic_stiffness[4, 4] * theta + RHO * db.volume * GRAVITY * CM[2] * np.sin(theta)
+    record(ROW_STATICS, f"moment of a tilted floater, yawed by {psi:g} deg", np.abs(moment / want - axis).max(), 1e-9)
+
+
+@pytest.mark.parametrize("psi", [15.0, 60.0])
+def test_a_yawed_floater_does_not_feed_on_its_pitch(db, record, psi):
+    """Pitch of an undamped floater without a heading, yawed away from its drawing: it stays pitch, of the same size.
+
+    A restoring moment along the rotation vector would be psi/2 off the axis: roll and pitch would grow as
+    exp(w psi t/4), 2.3 times in 100 s for 15 degrees.
+    """
+    body = floater(isotropic(db), cm=(0.0, 0.0, CM[2]))
+    body = body.model_copy(update={"inertia": (4.4e10, 4.4e10, 2.4e10)})
+    system = fs.assemble(fs.Model(parts=[body], sea=SEA))
+    state = system.initial_state()
+    state.q[0] = quaternion_from_matrix(exp((0.0, np.radians(5.0), 0.0)) @ about_z(np.radians(psi)))
+    tilts = run(system, state, fs.newmark(), 0.1, 3000, lambda s: attitude(s)[:, 2].copy())
+    n = np.degrees(np.array(tilts))
+    record(ROW_STATICS, f"roll in 300 s of pitch from 5 deg, yawed by {psi:g} deg", np.abs(n[:, 1]).max(), 1e-6, "deg")
+    growth = np.abs(n[:, 0]).max() / np.abs(n[0, 0]) - 1.0
+    record(ROW_STATICS, f"growth of the pitch, yawed by {psi:g} deg", growth, 1e-3)
+
+
+def test_a_free_floater_drifts_and_does_not_capsize(db):
+    """Off-axis weight tilts it; surge, sway and yaw have no stiffness at all, and no mode is unstable."""
+    system = fs.assemble(fs.Model(parts=[floater(db, cm=(-0.3, 0.0, -1.5))], sea=SEA))
+    periods = [mode.period for mode in fs.natural_modes(system)]
+    assert np.isinf(periods[:3]).all() and np.isfinite(periods[3:]).all()
 
 
 def test_quadratic_damping_is_relative_to_the_current(db, record):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from mechanics import displace, free_unknowns
@@ -102,3 +104,14 @@ def test_newton_converges_quadratically(record):
     orders = [np.log(seen[k + 1] / seen[k]) / np.log(seen[k] / seen[k - 1]) for k in range(1, len(seen) - 1)]
     print(seen, orders)
     record("Newton iteration", "order from the last increments above rounding", orders[-1], (1.8, 3.0))
+
+
+def test_a_long_line_is_assembled_in_little_memory():
+    """4000 elements have 12000 unknowns: a dense matrix of them alone would take 1.2 GB."""
+    ends = [fs.Ball(a="long.end_a", b=(0, 0, -100)), fs.Ball(a="long.end_b", b=(3000, 0, 0))]
+    model = fs.Model(parts=[line("long", 4000, length=4000.0)], joints=ends, sea=SEA)
+    tracemalloc.start()
+    fs.assemble(model)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 3e8
