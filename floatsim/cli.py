@@ -20,6 +20,7 @@ app = typer.Typer(
 
 Script = Annotated[str, typer.Argument(metavar="MODEL.py", help="Python file with a build(**parameters) -> Model.")]
 Parameters = Annotated[list[str], typer.Option("-p", metavar="NAME=VALUE", help="Parameter of build(); repeatable.")]
+MODES_LIMIT = 2000  # unknowns up to which `static` looks at stability: dense eigenvalues
 OUTPUT_HELP = "netCDF file to write."
 
 
@@ -181,6 +182,13 @@ def static(
         f"converged in {report.iterations} iterations; largest unbalanced force {report.residual_force:.2g} N "
         f"({report.worst}), moment {report.residual_moment:.2g} N m"
     )
+    if system.n_dof > MODES_LIMIT:
+        console.print(f"stability not looked at: more than {MODES_LIMIT} unknowns")
+        return
+    try:
+        floatsim.natural_modes(system, state, count=1)
+    except SolveFailed as error:
+        typer.echo(f"warning: {error}", err=True)
 
 
 @app.command()

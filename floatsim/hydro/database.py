@@ -326,11 +326,14 @@ def check_database(db: HydroDatabase) -> tuple[Finding, ...]:
     force = db.density * db.gravity * db.volume ** (2.0 / 3.0)
     length = db.volume ** (1.0 / 3.0)
     stiffness = np.sqrt(force * np.array([1.0, 1.0, 1.0, length**2, length**2, length**2]))
+    # buoyancy beside the reference point turns with the yaw: C46 = -rho g V x_B, C56 = -rho g V y_B stand alone
+    tilting = db.hydrostatic_stiffness.copy()
+    tilting[3:5, 5] = tilting[5, 3:5]
     for label, matrix, scale in (
         ("added mass", db.added_mass, mass),
         ("radiation damping", db.radiation_damping, damping),
         ("added mass at infinite frequency", db.added_mass_inf, mass),
-        ("hydrostatic stiffness", db.hydrostatic_stiffness, stiffness),
+        ("hydrostatic stiffness", tilting, stiffness),
     ):
         findings.append(_symmetry(label, matrix, scale))
     findings.append(_positive_damping(db, damping))

@@ -38,6 +38,7 @@ class Motion:
             if not callable(function):
                 raise ModelError(f"Motion: {name}: got {function!r}; must be a function of time (or use from_series)")
         self._functions = (position, velocity, acceleration)
+        self._ends = np.inf  # end of a recording that ends in motion
         first = _values(position, "position", 0.0)
         if first.shape not in ((3,), (6,)):
             raise ModelError(f"Motion: position(0) has shape {first.shape}; 3 (point) or 6 (body) numbers are allowed")
@@ -48,7 +49,8 @@ class Motion:
     def from_series(cls, time: Sequence[float] | Array, values: ArrayLike) -> Motion:
         """Through samples: time (n,) increasing [s], values (n, 3) or (n, 6), angles continuous [rad].
 
-        C2 cubic spline; held at the first and last sample outside the recording.
+        C2 cubic spline; held at the first and last sample outside the recording. A run that goes beyond a recording
+        that ends in motion fails with a message: stopping dead would be an impact that nobody recorded.
         """
         from scipy.interpolate import CubicSpline
 
@@ -75,7 +77,11 @@ class Motion:
 
             return value
 
-        return cls(held(0), held(1), held(2))
+        motion = cls(held(0), held(1), held(2))
+        rate = np.abs(spline(t, 1))
+        if np.any(rate[-1] > 1e-3 * rate.max()):
+            motion._ends = float(t[-1])
+        return motion
 
     def _check(self) -> None:
         h = 1e-4
@@ -94,6 +100,11 @@ class Motion:
                     )
 
     def _columns(self, t: float) -> list[Array]:
+        if t > self._ends + 1e-6:
+            raise ModelError(
+                f"Motion.from_series: the recording ends at {self._ends:g} s while still moving, but the run goes on; "
+                "end the run earlier, or let the recording come to rest"
+            )
         names = ("position", "velocity", "acceleration")
         return [_values(f, name, t) for f, name in zip(self._functions, names, strict=True)]
 

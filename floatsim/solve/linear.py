@@ -179,6 +179,8 @@ class LinearSolver:
     def __init__(self, layout: Layout) -> None:
         self.layout = layout
         self.fallbacks = 0
+        if not layout.structured:
+            log.info("%d border unknowns: the system is solved as a general sparse matrix", len(layout.border))
         keep = np.zeros(layout.n, dtype=bool)
         keep[layout.rows] = True
         self._free = np.flatnonzero(keep)

@@ -43,7 +43,8 @@ CAP, CAP_GROWTH, CAP_STEPS = 25.0, 30.0, 6  # of EA, over all loads on points; i
 @dataclass(frozen=True)
 class StaticReport:
     """How statics went. residual_force [N] and residual_moment [N m] are the largest unbalanced ones,
-    recomputed without the solver's scaling; worst names where; balance is residual_force over the weight."""
+    recomputed without the solver's scaling; worst names where; balance is residual_force over the largest force
+    at a point. Equilibria may be unstable, like a pendulum on its head: `natural_modes` tells."""
 
     converged: bool
     iterations: int

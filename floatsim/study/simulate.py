@@ -151,7 +151,8 @@ def simulate(
     system = as_system(model)
     sea = system.model.sea
     if sea.waves is not None:
-        _check_waves(sea.waves.realise(sea.depth, system.model.gravity), duration, min(dt, interval))
+        end = duration + (0.0 if state is None else state.t)
+        _check_waves(sea.waves.realise(sea.depth, system.model.gravity), end, min(dt, interval))
     if state is not None and (state.x.shape != system.x0.shape or len(state.lam) != system.n_con):
         raise CaseError(f"state: it belongs to another system than '{system.model.name}'")
     stepper = Stepper(system, scheme, tolerance)
@@ -215,15 +216,16 @@ def _check_waves(waves: Realisation, duration: float, h: float) -> None:
     """Refuse a run longer than its waves, and steps that cannot follow them."""
     if duration > waves.duration * (1.0 + 1e-9):
         raise CaseError(
-            f"duration is {duration:g} s, but the waves are only known not to repeat within {waves.duration:g} s; give "
-            "the irregular waves a longer duration"
+            f"the run ends at {duration:g} s, but the waves are only known not to repeat within "
+            f"{waves.duration:g} s; give the irregular waves a longer duration"
         )
     fast = 2.0 * np.pi / waves.omega < STEPS_PER_WAVE * h
     share = float(0.5 * np.sum(waves.amplitude[fast] ** 2) / max(waves.variance, np.finfo(float).tiny))
     if share > FAST_SHARE:
         raise CaseError(
             f"dt is {h:g} s, but {100.0 * share:.3g} % of the waves' energy has periods below "
-            f"{STEPS_PER_WAVE:g} steps, which the integrator would distort ({100.0 * FAST_SHARE:g} % is allowed); 0.1 s is usual"
+            f"{STEPS_PER_WAVE:g} steps, which the integrator would distort ({100.0 * FAST_SHARE:g} % is allowed); "
+            "0.1 s is usual"
         )
 
 

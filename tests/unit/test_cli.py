@@ -421,3 +421,17 @@ def test_the_reader_may_leave_early():
     ) as process:
         process.stdout.close()
         assert "Traceback" not in process.stderr.read()
+
+
+def test_static_warns_of_an_unstable_equilibrium(floatsim, tmp_path):
+    """A rod balanced on its hinge: in equilibrium, and not for long."""
+    script = tmp_path / "upright.py"
+    script.write_text(
+        "import floatsim as fs\n\n\n"
+        "def build():\n"
+        "    rod = fs.Body(name='rod', mass=1.0, inertia=(0.1, 0.1, 0.1), center_of_mass=(0.0, 0.0, 1.0))\n"
+        "    return fs.Model(parts=[rod], joints=[fs.Ball(a='rod', b=(0.0, 0.0, 0.0))], sea=fs.Sea(depth=10.0))\n"
+    )
+    status, _, said = floatsim("static", script)
+    assert status == 0
+    assert "warning: the equilibrium is unstable: rod" in said

@@ -139,6 +139,15 @@ def test_consistent_database_passes_everything() -> None:
     assert set(found.values()) == {"ok"}, found
 
 
+def test_buoyancy_beside_the_reference_point_is_no_defect() -> None:
+    """C46 = -rho g V x_B and C56 = -rho g V y_B (WAMIT manual v7, section 3.1, without the weight) stand alone."""
+    db = consistent()
+    stiffness = db.hydrostatic_stiffness.copy()
+    stiffness[3, 5], stiffness[4, 5] = -db.density * db.gravity * db.volume * np.array([30.0, -10.0])
+    found = severities(consistent(hydrostatic_stiffness=stiffness))
+    assert found["symmetry of hydrostatic stiffness"] == "ok"
+
+
 def spoiled(name: str, index: tuple[Any, ...], factor: complex, add: float = 0.0) -> HydroDatabase:
     db = consistent()
     array = getattr(db, name).copy()

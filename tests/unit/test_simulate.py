@@ -90,3 +90,19 @@ def test_steps_too_long_for_the_waves_are_refused() -> None:
     assert fs.simulate(model, 8.0, 0.8).status == "done"
     with pytest.raises(fs.CaseError, match=r"dt is 1 s, but 100 % of the waves' energy has periods below 10 steps"):
         fs.simulate(model, 8.0, 1.0)
+
+
+def test_a_run_beyond_a_recording_that_ends_in_motion_fails_with_the_reason() -> None:
+    t = np.linspace(0.0, 2.0, 81)
+    bob = fs.PointMass(name="bob", mass=3.0, position=(0.0, 0.0, 4.0))
+
+    def runs(z: np.ndarray, duration: float) -> fs.Run:
+        motion = fs.Motion.from_series(t, np.stack([0.0 * t, 0.0 * t, 4.0 + z], axis=1))
+        model = fs.Model(parts=[bob], joints=[fs.Prescribed(a="bob", motion=motion)], sea=fs.Sea(depth=10.0))
+        return fs.simulate(model, duration, 0.02)
+
+    moving, resting = 1.0 - np.cos(t), 1.0 - np.cos(np.pi * t)  # sine of 2 rad/s is not zero, sine of 2 pi is
+    assert runs(moving, 2.0).status == "done"
+    run = runs(moving, 3.0)
+    assert run.status == "failed" and "the recording ends at 2 s while still moving" in run.failure
+    assert runs(resting, 3.0).status == "done"
