@@ -140,7 +140,7 @@ def check(script: Script, p: Parameters = []) -> None:  # noqa: B006
         rows = [
             ["weight [kN]", "", "", f"{-sheet.weight / 1e3:.2f}"],
             ["buoyancy [kN]", "", "", f"{sheet.buoyancy / 1e3:.2f}"],
-            ["lines, joints, springs [kN]", *(f"{y / 1e3:.2f}" for y in a)],
+            ["lines, joints, springs, current [kN]", *(f"{y / 1e3:.2f}" for y in a)],
             ["net force [kN]", *(f"{y / 1e3:.2f}" for y in f)],
             ["net moment [kN m]", *(f"{y / 1e3:.2f}" for y in m)],
         ]

@@ -118,8 +118,8 @@ class Model(Description):
         return np.asarray(x[point] + (R[rotation] @ np.asarray(arm) if rotation >= 0 else 0.0))
 
     def loose(self) -> list[str]:
-        """Parts with mass that are tied, directly or through others, to nothing that is fixed, floats or lies on
-        the seabed: under gravity they have no equilibrium."""
+        """Parts with mass that are tied, directly or through others, to nothing that is fixed or floats: bodies and
+        masses do not touch the seabed, so they have no equilibrium unless a line on the bed carries them."""
         ties = [pair for joint in self.joints for pair in joint.ties()]
         ties += [(part.a, part.b) for part in self.parts if hasattr(part, "free_length")]
         names = [{end.partition(".")[0] if isinstance(end, str) else "" for end in pair} for pair in ties]

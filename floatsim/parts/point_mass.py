@@ -1,4 +1,4 @@
-"""Point masses: a weight at the end of a line, a bob. M = m I, weight -m g, no rotation, no volume."""
+"""Point masses: a weight at the end of a line, a bob. M = m I, weight -m g, no rotation, no volume, no seabed."""
 
 from __future__ import annotations
 

@@ -12,7 +12,8 @@ relaxation become some hundred factorisations.
 Two things make the way from a crude shape hard. Lines are so stiff that swinging by a tenth of an element
 length strains them by more than their weight ever will: they start with EA capped at 25 times all loads on points,
 strains of some 2 %, and get it back in steps. And compression along a straight line *is* an equilibrium,
-only an unstable one: until the shape has settled they push with a small share of EA.
+only an unstable one: until the shape has settled they push with a small share of EA. That keeps slack lines from it,
+not a vertical line a little longer than its span; `natural_modes` refuses an unstable equilibrium, this solve does not.
 """
 
 from __future__ import annotations

@@ -6,9 +6,9 @@ cK = 1, bordered by the constraints. Left out of it on purpose: the tangent of t
 relative error |dq|/2 of the rotations' columns in K and G. It costs iterations only in steps that turn a body
 far: 4 in all at 0.1 rad, 6 at 0.3, 8 at 0.5; beyond that steps are cut.
 
-A step is converged when three things hold, each for every unknown of its kind: the residual is below
-`tolerance` times the sum of the forces that meet at that point, constraints are closed to 1e-9 of the
-model's length, and the last increment was small against the step's. A step that does not get there
+A step is converged when three things hold: at every point and rotation the residual is below `tolerance` times
+the sum of the forces that meet there, every constraint is closed to 1e-9 of the model's length, and the last
+increment's largest translation and rotation were small against the step's. A step that does not get there
 is a value with a reason, never a result.
 """
 

@@ -88,10 +88,9 @@ def decay_test(
     index = DOFS.index(dof)
     rest, _ = solve_static(system)
     at_rest = pose(system, rest, name)
-    start = at_rest.copy() if release == "equilibrium" else np.zeros(6)
+    drawn = np.radians(system.numbering.parts[system.numbering.index(name)].attitude_deg)
+    start = at_rest.copy() if release == "equilibrium" else np.concatenate([np.zeros(3), drawn])
     start[index] += offset if index < 3 else np.radians(offset)
-    if release == "absolute" and index >= 3:
-        start[3:] += np.radians(system.numbering.parts[system.numbering.index(name)].attitude_deg)
     released = displace(system, rest, name, start)
     _check_joints(system, released, name)
     if duration is None:

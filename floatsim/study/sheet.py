@@ -22,7 +22,8 @@ from floatsim.system.system import System
 class BodySheet:
     """Forces (3,) [N] and moments (3,) [N m] about the reference point, world axes, at the drawing position.
 
-    attached: by lines, joints and springs, in static equilibrium with the body held. net: of everything.
+    attached: by lines, joints and springs, in static equilibrium with the body held, and by the current on the body.
+    net: of everything.
     heave: expected change of draught [m], net lift over the waterplane stiffness (nan without hydrodynamics).
     stiffness_roll, stiffness_pitch: hydrostatic, weight included [N m/rad].
     """

@@ -205,11 +205,6 @@ class Writer:
             self._held, self._written = 0, start + n
         self._due = clock.monotonic() + SECONDS
 
-    def set_attributes(self, **attributes: str | int | float) -> None:
-        """Add or change global attributes of the open file."""
-        with self._naming_path("could not be continued"):
-            self._file.setncatts(attributes)
-
     def close(self, status: Literal["done", "failed"], failure: str = "") -> None:
         """Write what is left, state how the run ended and close. Does nothing on a closed file."""
         if not self._file.isopen():

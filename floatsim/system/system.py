@@ -1,4 +1,5 @@
-"""`assemble`: from names to numbers. A `System` is frozen and holds no state.
+"""`assemble`: from names to numbers. A `System` holds no state, but its batches carry
+scratch: two runs on one System must not interleave.
 
 What a batch offers the system (the protocol; a part's description names its batch class):
 

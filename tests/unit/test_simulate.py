@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -106,3 +107,16 @@ def test_a_run_beyond_a_recording_that_ends_in_motion_fails_with_the_reason() ->
     run = runs(moving, 3.0)
     assert run.status == "failed" and "the recording ends at 2 s while still moving" in run.failure
     assert runs(resting, 3.0).status == "done"
+
+
+def test_an_absolute_release_keeps_the_heading_the_body_is_drawn_with() -> None:
+    """Offset from the drawing position, all else as drawn: a body drawn at 37 degrees starts at 37 degrees."""
+    database = Path(__file__).parents[2] / "models" / "volturnus_s_hydro.nc"
+    body = fs.Body(
+        name="hull", mass=1025.0 * 20206.35, inertia=(4.4e10, 4.4e10, 2.4e10), center_of_mass=(0.0, 0.0, -3.0),
+        attitude_deg=(0.0, 0.0, 37.0), hydro=fs.PotentialFlow(database=database),
+    )  # fmt: skip
+    model = fs.Model(parts=[body], sea=fs.Sea(depth=200.0))
+    test = fs.decay_test(model, "heave", 1.0, release="absolute", duration=50.0)
+    start = test.run.series("hull_position")[0]
+    np.testing.assert_allclose(start, [0.0, 0.0, 1.0, 0.0, 0.0, np.radians(37.0)], atol=1e-12)

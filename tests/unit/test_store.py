@@ -133,13 +133,6 @@ def test_an_exception_closes_the_file_as_failed(tmp_path):
     writer.close("done")  # once closed, closed
 
 
-def test_attributes_can_be_added(tmp_path):
-    with Writer(tmp_path / "out.nc", CHANNELS, COORDINATES) as writer:
-        writer.set_attributes(period=20.4)
-    with xr.open_dataset(tmp_path / "out.nc") as data:
-        assert data.attrs["period"] == 20.4
-
-
 @pytest.mark.parametrize(
     ("channels", "coordinates", "message"),
     [
