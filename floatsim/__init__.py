@@ -14,12 +14,18 @@ from floatsim.joints.ball import Ball
 from floatsim.joints.clamp import Clamp
 from floatsim.joints.prescribed import Motion, Prescribed
 from floatsim.joints.weld import Weld
+from floatsim.laws.engineering import Engineering
+from floatsim.laws.moment_table import MomentTable
+from floatsim.laws.static_dynamic import StaticDynamic
+from floatsim.laws.tension_table import TensionTable
 from floatsim.model import Expected, Model
 from floatsim.parts.body import Body
-from floatsim.parts.line import Line, Section
+from floatsim.parts.line import Line
 from floatsim.parts.point_mass import PointMass
+from floatsim.parts.section import Attachment, BendStiffener, Break, Piece, Section
 from floatsim.parts.spring import Spring
-from floatsim.sea.site import Current, Sea, Seabed
+from floatsim.sea.seabed import Bathymetry, Seabed
+from floatsim.sea.site import Current, Sea
 from floatsim.sea.spectra import Jonswap, PiersonMoskowitz
 from floatsim.sea.waves import IrregularWaves, RegularWave, WaveComponents
 from floatsim.solve.modes import Mode, natural_modes
@@ -33,10 +39,10 @@ from floatsim.system.system import System, assemble
 from floatsim.version import __version__
 
 __all__ = [
-    "Ball", "Body", "CaseError", "Clamp", "Current", "DecayTest", "Expected", "FloatsimError", "HydroDatabase",
-    "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError", "Motion", "PiersonMoskowitz", "PointMass",
+    "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break", "CaseError", "Clamp", "Current", "DecayTest", "Engineering", "Expected", "FloatsimError", "HydroDatabase",
+    "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError", "MomentTable", "Motion", "Piece", "PiersonMoskowitz", "PointMass",
     "PotentialFlow", "Prescribed", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "SolveFailed", "Spring",
-    "State", "StaticReport", "StepReport", "Stepper", "System", "WaveComponents", "Weld", "assemble", "check_database",
+    "State", "StaticDynamic", "StaticReport", "StepReport", "Stepper", "System", "TensionTable", "WaveComponents", "Weld", "assemble", "check_database",
     "decay_test", "generalised_alpha", "hht", "natural_modes", "newmark", "read_wamit", "simulate", "solve_static",
     "__version__", "step",
 ]  # fmt: skip

@@ -141,7 +141,7 @@ class Description(BaseModel):
 
     def model_copy(self, *, update: Any = None, deep: bool = False) -> Any:
         """A copy with some values changed, checked like a new one."""
-        return type(self)(**{**dict(self), **(update or {})})
+        return type(self)(**{**{name: getattr(self, name) for name in type(self).model_fields}, **(update or {})})
 
 
 def _label(cls: type[BaseModel], data: dict[str, Any]) -> str:

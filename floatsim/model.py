@@ -86,7 +86,7 @@ class Model(Description):
             before = len(placed)
             for part in self.parts:
                 if part.name not in placed:
-                    result = part.place(self._ends(part, where), self.sea.depth)
+                    result = part.place(self._ends(part, where), self.sea)
                     if result is not None:
                         placed[part.name] = result
             if len(placed) == before:
@@ -187,7 +187,7 @@ class Model(Description):
             ends = {anchor: x[point] for anchor, (point, rotation, _) in part.anchors().items() if rotation < 0}
             if hasattr(part, "free_length"):
                 ends = {end: self._where(getattr(part, end), targets, placed) for end in ("a", "b")}
-            yield from part.problems(ends, self.sea.depth)
+            yield from part.problems(ends, self.sea)
 
 
 def _label(item: Any) -> str:

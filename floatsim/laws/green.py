@@ -1,8 +1,8 @@
-"""Linear axial law in Green strain, with viscous damping.
+"""Linear axial law in Green strain, with viscous damping: the default.
 
-    eps = (l^2 - l0^2) / (2 l0^2),     N = EA eps + c deps/dt
+    eps = (s^2 - 1)/2,   N = EA eps + c deps/dt,   T = N s,        s = l/l0
 
-N is conjugate to the Green strain; the true (effective) tension of the element is N l/l0.
+N is conjugate to the Green strain; T is the true (effective) tension along the element.
 Source: any text on finite-strain bars, e.g. Crisfield, Non-linear Finite Element Analysis of Solids
 and Structures, vol. 1, section 3.3. The law carries compression: a chain without bending stiffness
 then buckles between its nodes instead of pushing, and the tangent has no kink at slack.
@@ -12,11 +12,7 @@ from floatsim.jit import kernel
 
 
 @kernel
-def green_linear(EA, c, strain, rate, push):  # type: ignore[no-untyped-def]
-    """(N, dN/deps, dN/drate): EA [N], c [N s], strain [-], rate [1/s].
-
-    push: share of EA that acts in compression; 1 but for the first part of a static solve.
-    """
-    if strain < 0.0:
-        EA *= push
-    return EA * strain + c * rate, EA, c
+def green(EA, c, s, rate):  # type: ignore[no-untyped-def]
+    """(T, dT/ds, dT/drate): EA [N], c [N s], stretch s = l/l0 [-] and its rate [1/s]."""
+    N = 0.5 * EA * (s * s - 1.0) + c * s * rate
+    return N * s, N + s * (EA * s + c * rate), c * s * s

@@ -101,7 +101,7 @@ class Body(Part):
         """Parts that come with this one."""
         return [] if self.hydro is None else [self.hydro.attached_to(self)]
 
-    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
+    def place(self, ends: dict[str, Array], sea: Any) -> tuple[Array, Array]:
         """Drawing position: point (1, 3) and rotation matrix (1, 3, 3)."""
         R = matrix_from_angles(*np.radians(self.attitude_deg))
         return np.array([self.position]), R[None]

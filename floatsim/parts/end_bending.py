@@ -1,7 +1,7 @@
 """The bending at a clamped line end: the angle between a direction fixed in a body and the first element.
 
 The angle is spread over *half* an element, k = EI/(l0/2). Spreading it over a full element is only
-first order: 15 % too soft for a 10 m cantilever of 1 m elements. Formulas: parts/line.py, `bend`, with
+first order: 15 % too soft for a 10 m cantilever of 1 m elements. Formulas: parts/bending.py, `bend`, with
 the fixed direction in place of element a, d_a = R e, which turns with the body.
 """
 
@@ -17,7 +17,9 @@ from floatsim.description import Vector3
 from floatsim.errors import ModelError
 from floatsim.frames import at, cross, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
-from floatsim.parts.line import Line, bend
+from floatsim.laws.moment_table import pad_tables, pair_table
+from floatsim.parts.bending import bend
+from floatsim.parts.line import Line
 from floatsim.parts.part import Part
 
 Index = NDArray[np.int64]
@@ -37,8 +39,9 @@ class EndBending(Part):
 
 
 @kernel
-def end_bending(x, R, v, c, where, E, slots, f, Kb, Cb, K, A, r, s, moment):  # type: ignore[no-untyped-def]
-    """where (n, 3): rotation, end point, next point; E (n, 5): k, damping, direction. moment (n, 3): on the body."""
+def end_bending(x, R, v, c, where, E, tables, slots, rates, f, Kb, Cb, K, A, r, s, moment):  # type: ignore[no-untyped-def]
+    """where (n, 4): rotation, end point, next point, row of the moment tables or -1; E (n, 5): k, damping, direction.
+    moment (n, 3): on the body."""
     base = 3 * x.shape[0]
     zero = (0.0, 0.0, 0.0)
     for e in range(where.shape[0]):
@@ -47,7 +50,10 @@ def end_bending(x, R, v, c, where, E, slots, f, Kb, Cb, K, A, r, s, moment):  # 
         w = at(v, base + 3 * k)
         va = cross(w, da)
         vb = minus(at(v, 3 * p1), at(v, 3 * p0))
-        bend(E[e, 0], E[e, 1], zero, da, vec(x, p0), vec(x, p1), va, vb, f, Kb, Cb)
+        db = minus(vec(x, p1), vec(x, p0))
+        if E[e, 1] > 0.0:  # derivatives by the rates alone, for the turning of the direction
+            bend(E[e, 0], E[e, 1], tables, where[e, 3], da, db, va, vb, rates, f, Cb)
+        bend(E[e, 0], E[e, 1], tables, where[e, 3], da, db, va, vb, c, f, Kb)
         fa = (f[0], f[1], f[2])
         m = cross(da, fa)
         for i in range(3):
@@ -58,6 +64,8 @@ def end_bending(x, R, v, c, where, E, slots, f, Kb, Cb, K, A, r, s, moment):  # 
             s[p0] += abs(f[3 + i])
             s[p1] += abs(f[3 + i])
             moment[e, i] = -m[i]
+        if c[6] == 0.0:
+            continue
         for block in range(3):
             for n in range(3):
                 u = unit(n)
@@ -65,13 +73,13 @@ def end_bending(x, R, v, c, where, E, slots, f, Kb, Cb, K, A, r, s, moment):  # 
                 dda, ddb, dva = zero, zero, zero
                 if block == 0:
                     dda = cross(u, da)
-                    dva = cross(w, dda)
+                    dva = times(c[2], cross(w, dda)) if E[e, 1] > 0.0 else zero
                 elif block == 1:
                     ddb = times(-1.0, u)
                 else:
                     ddb = u
                 dfa, dfb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-                g = _apply(Kb, Cb, c, dda, ddb, dva)
+                g = _apply(Kb, Cb, dda, ddb, dva)
                 dfa, dfb = (g[0], g[1], g[2]), (g[3], g[4], g[5])
                 dm = plus(cross(da, dfa), times(c[2], cross(dda, fa)))
                 for i in range(3):
@@ -84,17 +92,17 @@ def end_bending(x, R, v, c, where, E, slots, f, Kb, Cb, K, A, r, s, moment):  # 
 
 
 @kernel
-def _apply(Kb, Cb, c, dda, ddb, dva):  # type: ignore[no-untyped-def]
-    """(cK K + cC C)(dd_a, dd_b) + cK C (dv_a, 0): change of the gradient by (d_a, d_b)."""
+def _apply(Kb, Cb, dda, ddb, dva):  # type: ignore[no-untyped-def]
+    """Kb (dd_a, dd_b) + Cb (dv_a, 0): change of the gradient by (d_a, d_b)."""
     y0 = y1 = y2 = y3 = y4 = y5 = 0.0
     for j in range(3):
-        a, b, da = dda[j], ddb[j], c[2] * dva[j]
-        y0 += (c[2] * Kb[0, j] + c[1] * Cb[0, j]) * a + (c[2] * Kb[0, 3 + j] + c[1] * Cb[0, 3 + j]) * b + Cb[0, j] * da
-        y1 += (c[2] * Kb[1, j] + c[1] * Cb[1, j]) * a + (c[2] * Kb[1, 3 + j] + c[1] * Cb[1, 3 + j]) * b + Cb[1, j] * da
-        y2 += (c[2] * Kb[2, j] + c[1] * Cb[2, j]) * a + (c[2] * Kb[2, 3 + j] + c[1] * Cb[2, 3 + j]) * b + Cb[2, j] * da
-        y3 += (c[2] * Kb[3, j] + c[1] * Cb[3, j]) * a + (c[2] * Kb[3, 3 + j] + c[1] * Cb[3, 3 + j]) * b + Cb[3, j] * da
-        y4 += (c[2] * Kb[4, j] + c[1] * Cb[4, j]) * a + (c[2] * Kb[4, 3 + j] + c[1] * Cb[4, 3 + j]) * b + Cb[4, j] * da
-        y5 += (c[2] * Kb[5, j] + c[1] * Cb[5, j]) * a + (c[2] * Kb[5, 3 + j] + c[1] * Cb[5, 3 + j]) * b + Cb[5, j] * da
+        a, b, v = dda[j], ddb[j], dva[j]
+        y0 += Kb[0, j] * a + Kb[0, 3 + j] * b + Cb[0, j] * v
+        y1 += Kb[1, j] * a + Kb[1, 3 + j] * b + Cb[1, j] * v
+        y2 += Kb[2, j] * a + Kb[2, 3 + j] * b + Cb[2, j] * v
+        y3 += Kb[3, j] * a + Kb[3, 3 + j] * b + Cb[3, j] * v
+        y4 += Kb[4, j] * a + Kb[4, 3 + j] * b + Cb[4, j] * v
+        y5 += Kb[5, j] * a + Kb[5, 3 + j] * b + Cb[5, j] * v
     return (y0, y1, y2, y3, y4, y5)
 
 
@@ -108,41 +116,51 @@ class EndBendingBatch:
         self.parts = tuple(parts)
         self.moment = np.zeros((len(self.parts), 3))
         self._f, self._Kb, self._Cb, self._K = np.zeros(6), np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((9, 9))
+        self._rates = np.array([0.0, 1.0, 0.0, 0.0, 1.0, np.inf, 1.0, 1.0])
 
     def connect(self, numbering: Any) -> None:
         """Resolve the line ends; ModelError if an end is not a line's, its section has no EI or `to` no rotation."""
         where, E = [], []
+        tables: list[Array] = []
         for part in self.parts:
             line, first = numbering.part(part.end)
             if not isinstance(line, Line):
                 raise ModelError(f"Clamp '{part.name}': '{part.end}' is not the end of a line")
-            if line.section.EI == 0.0:
+            n, at_a = line.n_points, part.end.endswith("end_a")
+            element = 0 if at_a else line.elements - 1
+            section, l0 = line.element_sections[element], line.element_lengths[element]
+            EI = line.half_stiffness[element, 0 if at_a else 1]
+            if EI == 0.0:
                 raise ModelError(
-                    f"Clamp '{part.name}': section '{line.section.name}' of line '{line.name}' has EI = 0; "
+                    f"Clamp '{part.name}': section '{section.name}' of line '{line.name}' has EI = 0; "
                     "a clamped end needs bending stiffness, use Ball for a hinged one"
                 )
-            n, l0 = line.n_points, line.length / line.elements
-            p0, p1 = (first, first + 1) if part.end.endswith("end_a") else (first + n - 1, first + n - 2)
+            p0, p1 = (first, first + 1) if at_a else (first + n - 1, first + n - 2)
             frame = numbering.place(part.to)
             if isinstance(part.to, str) and frame.rotation == numbering.place((0.0, 0.0, 0.0)).rotation:
                 raise ModelError(
                     f"Clamp '{part.name}': '{part.to}' has no rotation that could hold a direction; clamp to a body's "
                     "connection point or to a fixed point (x, y, z), or use Ball"
                 )
-            where.append((frame.rotation, p0, p1))
+            row = -1
+            if section.bending_law is not None:  # the direction is rigid: half an element bends
+                row = len(tables)
+                law = section.bending_law
+                tables.append(pair_table((l0, 0.0), (law, law)))
+            where.append((frame.rotation, p0, p1, row))
             e = np.asarray(part.direction) / np.linalg.norm(part.direction)
-            k = line.section.EI / (0.5 * l0)
-            E.append((k, line.section.bending_damping / (0.5 * l0), *e))
+            E.append((EI / (0.5 * l0), section.bending_damping / (0.5 * l0), *e))
         self.where = np.array(where, dtype=np.int64)
         self.E = np.array(E, dtype=float)
+        self.tables = pad_tables(tables)
 
     def dofs(self, n_point: int) -> list[Index]:
         xyz, base, w = np.arange(3), 3 * (n_point + 1), self.where
-        return [np.concatenate([base + 3 * w[:, :1] + xyz, 3 * w[:, 1:2] + xyz, 3 * w[:, 2:] + xyz], axis=1)]
+        return [np.concatenate([base + 3 * w[:, :1] + xyz, 3 * w[:, 1:2] + xyz, 3 * w[:, 2:3] + xyz], axis=1)]
 
     def bind(self, slots: list[Index]) -> None:
         (self._slots,) = slots
 
     def add(self, w: Any) -> None:
-        end_bending(w.x, w.R, w.v, w.c, self.where, self.E, self._slots, self._f, self._Kb, self._Cb, self._K,
-                    w.A, w.r, w.s, self.moment)  # fmt: skip
+        end_bending(w.x, w.R, w.v, w.c, self.where, self.E, self.tables, self._slots, self._rates, self._f, self._Kb,
+                    self._Cb, self._K, w.A, w.r, w.s, self.moment)  # fmt: skip

@@ -41,13 +41,13 @@ class Part(Description):
         """Pairs of its own points that ball joints tie together."""
         return []
 
-    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array] | None:
+    def place(self, ends: dict[str, Array], sea: Any) -> tuple[Array, Array] | None:
         """Points (n, 3) and rotation matrices (m, 3, 3) at the drawing position; None while unknown.
 
         ends: where the anchors stand that joints tie to something already placed.
         """
         return np.empty((0, 3)), np.empty((0, 3, 3))
 
-    def problems(self, ends: dict[str, Array], depth: float) -> list[str]:
-        """What only shows in the model: ends as placed."""
+    def problems(self, ends: dict[str, Array], sea: Any) -> list[str]:
+        """What only shows in the model: ends as placed, the sea."""
         return []

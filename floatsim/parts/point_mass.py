@@ -36,7 +36,7 @@ class PointMass(Part):
         """Connection points: name -> (local point, local rotation or -1, arm)."""
         return {"": (0, -1, (0.0, 0.0, 0.0))}
 
-    def place(self, ends: dict[str, Array], depth: float) -> tuple[Array, Array]:
+    def place(self, ends: dict[str, Array], sea: Any) -> tuple[Array, Array]:
         return np.array([self.position]), np.empty((0, 3, 3))
 
 

@@ -43,7 +43,7 @@ class Spring(Part):
     def batch() -> type[SpringBatch]:
         return SpringBatch
 
-    def problems(self, ends: dict[str, Array], depth: float) -> list[str]:
+    def problems(self, ends: dict[str, Array], sea: Any) -> list[str]:
         """What only shows once the ends are known."""
         a, b = ends.get("a"), ends.get("b")
         if a is None or b is None or np.linalg.norm(b - a) > 0.0:

@@ -9,20 +9,7 @@ import numpy as np
 
 from floatsim.description import Description, Finite, NonNegative, Positive
 from floatsim.frames import Array
-
-
-class Seabed(Description):
-    """Flat, frictionless seabed under lines.
-
-    stiffness [Pa/m]: pressure per penetration, acting on diameter times length; damping [Pa s/m]: the
-    same for the velocity, reached at a penetration of damping_penetration [m] and proportional to it
-    (Hunt & Crossley 1975), so that touching down and lifting off are continuous. The bed never pulls.
-    Stiffness and damping default to those of the public VolturnUS-S mooring deck.
-    """
-
-    stiffness: Positive = 3.0e6
-    damping: NonNegative = 3.0e5
-    damping_penetration: Positive = 0.05
+from floatsim.sea.seabed import Seabed
 
 
 class Current(Description):

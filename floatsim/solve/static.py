@@ -57,17 +57,18 @@ class StaticReport:
 
 
 def solve_static(
-    system: System, state: State | None = None, hold: Sequence[str] = ()
+    system: System, state: State | None = None, hold: Sequence[str] = (), friction: bool = False
 ) -> tuple[State, StaticReport]:
     """Equilibrium at t = state.t without waves, from `state` or the drawing position.
 
-    hold: names of parts that stay where they are while everything else finds its equilibrium.
+    hold: names of parts that stay where they are while everything else finds its equilibrium. friction: the seabed
+    holds lines back from where `state` has them stick (from an equilibrium: a slow offset); without, nothing does.
     Returns the state at rest and the report. Raises SolveFailed naming the worst unknown and the
     likely cause if it does not converge.
     """
     start = system.initial_state() if state is None else state.copy()
     for push in PUSHES:
-        relax = _Relaxation(system, start, hold, push)
+        relax = _Relaxation(system, start, hold, push, friction)
         for iteration in range(1, MAX_ITERATIONS + 1):
             relax.evaluate()
             if relax.balanced(iteration):
@@ -85,7 +86,7 @@ def solve_static(
 class _Relaxation:
     """The state of a static solve: configuration, step size h, and the law that lines follow for the moment."""
 
-    def __init__(self, system: System, start: State, hold: Sequence[str], push: float) -> None:
+    def __init__(self, system: System, start: State, hold: Sequence[str], push: float, friction: bool) -> None:
         self.system, self.start = system, start
         self.linear = LinearSolver(system.layout)
         self.work = w = system.work()
@@ -93,6 +94,7 @@ class _Relaxation:
         w.v[:] = 0.0
         w.a[:] = 0.0
         w.still = True
+        w.c[7] = float(friction)
         system.begin(w, start, start.t)
         lay, n_dof = system.layout, system.n_dof
         self._held = system.unknowns_of(hold)
@@ -107,9 +109,9 @@ class _Relaxation:
         self.h, self._reach = H_START, 0.02 * system.length
         self._size = 1.0  # of the constraint rows: that of the matrix they border
         self._polished = False
-        w.c[:] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # loads alone: no axial force yet
+        w.c[:6] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # loads alone: no axial force yet
         system.evaluate(w)
-        w.c[4:] = push, CAP * max(float(w.s[system.free_points()].sum()), 1e-9)
+        w.c[4:6] = push, CAP * max(float(w.s[system.free_points()].sum()), 1e-9)
         self._caps = CAP_STEPS
 
     @property
@@ -145,7 +147,7 @@ class _Relaxation:
             self._caps -= 1
             c[5] *= CAP_GROWTH
         else:
-            c[4:] = 1.0, np.inf
+            c[4:6] = 1.0, np.inf
         self._before = self._best = np.inf
         self.h = min(self.h, H_SWITCH)
 
@@ -217,7 +219,7 @@ class _Relaxation:
     def report(self, iterations: int, converged: bool, reason: str = "") -> StaticReport:
         """Unbalanced forces in newtons, from the raw residual of a fresh evaluation without any scaling."""
         w, sys = self.work, self.system
-        w.c[:] = (0.0, 0.0, 0.0, 1.0, 1.0, np.inf)
+        w.c[:6] = (0.0, 0.0, 0.0, 1.0, 1.0, np.inf)
         sys.evaluate(w)
         w.r[self._held] = 0.0
         force, moment = np.abs(w.r[self._points]), np.abs(w.r[self._turns])

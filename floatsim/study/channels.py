@@ -58,7 +58,7 @@ def align_moments(R, where, axes, mu, out):  # type: ignore[no-untyped-def]
 
 @kernel
 def clamp_angles(x, R, where, E, out):  # type: ignore[no-untyped-def]
-    """out (n): angle between a clamp's direction and the line's first element. where (n, 3), E (n, 5)."""
+    """out (n): angle between a clamp's direction and the line's first element. where (n, 4), E (n, 5)."""
     for e in range(where.shape[0]):
         a = rotate(R, where[e, 0], (E[e, 2], E[e, 3], E[e, 4]))
         p, q = vec(x, where[e, 1]), vec(x, where[e, 2])
@@ -211,24 +211,25 @@ class Sampler:
 
     def _line(self, line: Line, p: int) -> Iterable[Found]:
         s, name, n = self._sources, line.name, line.elements
-        l0, EI = line.length / n, line.section.EI
+        l0 = line.element_lengths
         node, element = f"{name}_node", f"{name}_element"
         self._coordinates += [
             Coordinate(f"{name}_arc_length", f"{name}: unstretched length from end a to the node", "m", node,
-                       l0 * np.arange(n + 1)),
+                       line.arc_length),
             Coordinate(f"{name}_element_arc_length", f"{name}: unstretched length from end a to the middle of the "
-                       "element", "m", element, l0 * (np.arange(n) + 0.5)),
+                       "element", "m", element, 0.5 * (line.arc_length[:-1] + line.arc_length[1:])),
         ]  # fmt: skip
         index = s.x[3 * (p + line.nodes)[:, None] + _XYZ].ravel()
         yield Channel(f"{name}_position", f"{name}: position of the nodes, world", "m", (node, "xyz")), index, 1.0, 0.0
         yield Channel(f"{name}_tension", f"{name}: effective tension", "N", (element,)), s.tension[name], 1.0, 0.0
         # at a clamp the angle is spread over half an element; a free or hinged end is straight
         angle = np.concatenate([[s.zero], s.angle[name], [s.zero]])
-        weight = np.concatenate([[2.0 / l0], np.full(n - 1, 1.0 / l0), [2.0 / l0]])
+        weight = 2.0 / np.concatenate([l0[:1], l0[:-1] + l0[1:], l0[-1:]])
         angle[0], angle[-1] = (s.clamp.get(f"{name}.{end}", s.zero) for end in ("end_a", "end_b"))
         yield Channel(f"{name}_curvature", f"{name}: curvature", "1/m", (node,)), angle, weight, 0.0
-        text = f"{name}: bending moment, EI times curvature"
-        yield Channel(f"{name}_bending_moment", text, "N m", (node,)), angle, EI * weight, 0.0
+        moment = np.concatenate([[s.zero], s.moment[name], [s.zero]])
+        moment[0], moment[-1] = (s.clamp_bending.get(f"{name}.{end}", s.zero) for end in ("end_a", "end_b"))
+        yield Channel(f"{name}_bending_moment", f"{name}: bending moment", "N m", (node,)), moment, 1.0, 0.0
         for end, point in (("end_a", p), ("end_b", p + line.n_points - 1)):
             text = f"{name}: force of {end.replace('_', ' ')} on what it is tied to, world axes"
             yield Channel(f"{name}_{end}_force", text, "N", ("xyz",)), *self._end_force(point), 0.0
@@ -283,12 +284,17 @@ class _Sources:
         self.align_moment = self._room(3 * len(con.turns))
         self.solver, self.environment = self._room(2), self._room(1)
         tension, angle = self._room(sum(p.elements for p in lines)), self._room(sum(p.elements - 1 for p in lines))
+        bending = self._room(len(angle))
         self.tension: dict[str, Index] = {}
         self.angle: dict[str, Index] = {}
+        self.moment: dict[str, Index] = {}
         if self._lines:
             self.tension = {p.name: tension[of] for p, of in zip(lines, self._lines.elements_of)}
             self.angle = {p.name: angle[of] for p, of in zip(lines, self._lines.pairs_of)}
+            self.moment = {p.name: bending[of] for p, of in zip(lines, self._lines.pairs_of)}
         clamp, moment = self._room(len(clamps)), self._room(3 * len(clamps))
+        end = self._room(len(clamps))
+        self.clamp_bending = {p.end: int(end[k]) for k, p in enumerate(clamps)}
         self.clamp = {p.end: int(clamp[k]) for k, p in enumerate(clamps)}
         self.clamp_moment = {p.name: moment[3 * k + _XYZ] for k, p in enumerate(clamps)}
         force = self._room(len(springs))
@@ -296,7 +302,7 @@ class _Sources:
         self.values = np.zeros(self.size)
         rooms = [self.values[part] for part in self._slices]
         (_, self._x, self._v, self._a, self._lam, self._attitude, self._align, self._solver, self._environment,
-         self._tension, self._angle, self._clamp, self._moment, self._force) = rooms  # fmt: skip
+         self._tension, self._angle, self._bending, self._clamp, self._moment, self._end, self._force) = rooms  # fmt: skip
         sea, gravity = system.model.sea, system.model.gravity
         self._waves = None if sea.waves is None else sea.waves.realise(sea.depth, gravity)
         self._ramp = sea.wave_ramp
@@ -320,9 +326,11 @@ class _Sources:
         if self._lines is not None:
             self._tension[:] = self._lines.tension(w)
             self._angle[:] = self._lines.angles(w)
+            self._bending[:] = self._lines.moments(self._angle)
         if self._clamps is not None:
             clamp_angles(w.x, w.R, self._clamps.where, self._clamps.E, self._clamp)
             self._moment[:] = self._clamps.moment.ravel()
+            self._end[:] = np.linalg.norm(self._clamps.moment, axis=1)
         if self._springs is not None:
             self._force[:] = self._springs.force
         if waves and self._waves is not None:

@@ -151,10 +151,10 @@ def line_notes(model: Model) -> list[str]:
     notes = []
     for line in model.parts:
         if isinstance(line, Line):
-            sec, l0 = line.section, line.length / line.elements
-            wet = (sec.mass_per_length - rho * sec.area) * g
-            notes.append(
-                f"{line.name}: {line.elements} elements of {l0:.4g} m, axial damping {sec.damping(l0):.4g} N s, "
-                f"weight in water {wet:.4g} N/m"
-            )
+            for piece in line.pieces:
+                sec, l0 = piece.section, piece.length / piece.elements
+                notes.append(
+                    f"{line.name}: {piece.elements} elements of {l0:.4g} m of '{sec.name}', axial damping "
+                    f"{sec.damping(l0):.4g} N s, weight in water {sec.wet_weight(rho, g):.4g} N/m"
+                )
     return notes

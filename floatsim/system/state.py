@@ -40,16 +40,19 @@ class Work:
     """What one evaluation reads and writes; allocated once.
 
     Reads: t, still (statics: no waves, no memory), x, R, v, a, lam, u (fluid velocity at points),
-    c = (cM, cC, cK, cG, push, cap): weights of mass, damping, stiffness and constraints in the matrix; the share of
-    a line's axial stiffness that acts in compression and the most it may be [N]: 1 and inf outside statics.
+    du (its acceleration), eta (height of the water surface over points),
+    c = (cM, cC, cK, cG, push, cap, tangent, friction): weights of mass, damping, stiffness and constraints in the
+    matrix; the share of a line's axial stiffness that acts in compression and the most it may be [N]: 1 and inf
+    outside statics; whether the matrix is asked for (0: residual alone); whether the seabed has friction.
     Writes: A (entries by slot), r (residual), s (size of the forces at each point and rotation),
-    trouble (what went wrong, by name).
+    trouble (what went wrong, by name), event (set by a commit after which accelerations jump).
     """
 
     def __init__(self, n_point: int, n_rotation: int, n: int, n_con: int, size: int) -> None:
         self.t = 0.0
         self.still = False
         self.trouble: str | None = None
+        self.event = False
         self.x = np.zeros((n_point + 1, 3))
         self.q = np.zeros((n_rotation + 1, 4))
         self.q[:, 0] = 1.0
@@ -60,7 +63,9 @@ class Work:
         self.aux = np.zeros(n - n_con)
         self.lam = np.zeros(n_con)
         self.u = np.zeros((n_point + 1, 3))
-        self.c = np.array([0.0, 0.0, 0.0, 0.0, 1.0, np.inf])
+        self.du = np.zeros((n_point + 1, 3))
+        self.eta = np.zeros(n_point + 1)
+        self.c = np.array([0.0, 0.0, 0.0, 0.0, 1.0, np.inf, 1.0, 1.0])
         self.A = np.zeros(size + 1)
         self.r = np.zeros(n)
         self.s = np.zeros(n_point + n_rotation + 2)

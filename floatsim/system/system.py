@@ -213,7 +213,8 @@ class System:
 
     def evaluate(self, w: Work) -> None:
         """Residual r = M a + f_int - f_ext + G^T lam (and cG g), and cM M + cC C + cK K with cG G into A."""
-        w.A.fill(0.0)
+        if w.c[6] != 0.0:
+            w.A.fill(0.0)
         w.r.fill(0.0)
         w.s.fill(0.0)
         w.trouble = None

@@ -232,7 +232,7 @@ def test_start_in_motion_keeps_the_order(record):
 
 def line_energy(line, x, v):
     """Kinetic, strain and weight energy of a line without bending, lumped masses, from its definition."""
-    l0, sec = line.length / line.elements, line.section
+    l0, sec = line.length / line.elements, line.pieces[0].section
     half = np.full(line.elements + 1, sec.mass_per_length * l0)
     half[[0, -1]] *= 0.5
     l2 = np.sum(np.diff(x, axis=0) ** 2, axis=1)

@@ -216,7 +216,7 @@ def test_random_lines_find_their_equilibrium(record):
         except fs.SolveFailed:
             failed += 1
             continue
-        weight = line.section.mass_per_length * G * line.length
+        weight = line.pieces[0].section.mass_per_length * G * line.length
         worst = max(worst, report.residual_force / weight)
     record("statics of 200 random lines, taut to slack", "that did not converge", failed, 0)
     record("statics of 200 random lines, taut to slack", "largest unbalanced force over the weight", worst, 1e-6)

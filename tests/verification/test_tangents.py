@@ -22,8 +22,9 @@ import pytest
 from mechanics import DRY, displace, free_unknowns, matrix, residual
 
 import floatsim as fs
+from floatsim.parts.element import AREA, CA, CAN, CAT, CDN, CDT, EA, MASS
 from floatsim.parts.end_bending import EndBendingBatch
-from floatsim.parts.line import AREA, CA, CAN, CAT, CDN, CDT, EA, MASS, LineBatch
+from floatsim.parts.line import LineBatch
 
 STENCIL = ((1.0, 4.0 / 5.0), (2.0, -1.0 / 5.0), (3.0, 4.0 / 105.0), (4.0, -1.0 / 280.0))  # eighth order
 WET = dict(drag_normal=1.2, drag_tangential=0.3, added_mass_normal=1.0, added_mass_tangential=0.2)
@@ -40,6 +41,29 @@ def line(elements=4, z=(5.0, 9.0), sea=DRY, gravity=9.81, joints=(), form="share
     part = fs.Line(name="line", section=section(**more), length=8.0, elements=elements, form=form, taut=True,
                    end_a_position=(0.0, 0.0, z[0]), end_b_position=(6.0, 1.0, z[1]))  # fmt: skip
     return fs.Model(parts=[part], joints=joints, sea=sea, gravity=gravity)
+
+
+def on_bed(z=(-20, -19), **more):
+    """A rough sloping bed that every node touches; `scale` of the random states decides between sticking and sliding."""
+    bed = fs.Seabed(stiffness=2e4, damping=3e3, friction=0.9, friction_axial=0.5, slip_length=0.8, **more)
+    return line(z=z, sea=fs.Sea(depth=20.0, seabed=bed))
+
+
+def loaded():
+    """Attachments dry, half wet and wet; two sections; a stiffener."""
+    pieces = [fs.Piece(section=section(EI=3e4), length=4.0, elements=3),
+              fs.Piece(section=section(name="thick", diameter=0.4, EI=1e3), length=4.0, elements=2)]  # fmt: skip
+    loads = [fs.Attachment(name=f"clump_{k}", at=at, mass=30.0, volume=0.5, drag_area=0.6, added_mass=0.5)
+             for k, at in enumerate((1.0, 4.0, 7.7))]  # fmt: skip
+    part = fs.Line(name="line", pieces=pieces, attachments=loads, taut=True, end_a_position=(0, 0, -0.6),
+                   end_b_position=(6.0, 1.0, 0.6))  # fmt: skip
+    return fs.Model(parts=[part], sea=NEAR)
+
+
+TABLE = fs.TensionTable(strain=(0.0, 0.1, 0.4), tension=(0.0, 1e4, 9e4))
+POLYESTER = fs.StaticDynamic(strain=(0.0, 0.2, 0.6), tension=(0.0, 1e4, 9e4), dynamic_stiffness=2e5, per_tension=3.0,
+                             relaxation_time=2.0, permanent_share=0.3)  # fmt: skip
+MOMENTS = fs.MomentTable(curvature=(0.0, 0.2, 0.5, 0.9), moment=(0.0, 6e3, 9e3, 2e4))
 
 
 def two_bodies():
@@ -99,6 +123,16 @@ SYSTEMS = {
     "seabed": (lambda: line(z=(-20, -20), sea=NEAR), "", {"scale": 0.3}),
     "seabed, damper's ramp": (lambda: line(z=(-20, -20), sea=NEAR), "",
                               {"scale": 0.002, "speed": 0.001, "step": 1e-4, "sink": 0.005}),
+    "seabed, sticking": (on_bed, "", {"scale": 0.1, "sink": 1.0}),
+    "seabed, sliding": (on_bed, "", {"scale": 0.9, "sink": 2.0}),
+    "seabed, sliding on a slope": (lambda: on_bed(z=(-20, -18), slope=(0.3, -0.2)), "", {"scale": 0.9, "sink": 3.0}),
+    "engineering strain": (lambda: line(axial_law=fs.Engineering(), axial_damping=3e3), "EA+CA", {}),
+    "table of tensions": (lambda: line(axial_law=TABLE, axial_damping=3e3), "EA+CA", {}),
+    "polyester": (lambda: line(axial_law=POLYESTER, axial_damping=3e3), "EA+CA", {"moving": True}),
+    "table of moments": (lambda: line(bending_law=MOMENTS), "EI", {"scale": 0.5, "step": 2e-4}),
+    "clamp, table of moments": (lambda: clamped("one.p", bending_law=MOMENTS), "EI", {}),
+    "attachments": (loaded, None, {"scale": 0.3, "flow": True}),
+    "wet, in waves": (lambda: line(z=(-5, -9), sea=NEAR, **WET), "HYDRO", {"flow": True}),
     "line, all of it": (lambda: line(z=(-20, 1), sea=NEAR, EI=1e3, bending_damping=1e2, axial_damping=1e3, **WET),
                         None, {}),
     "bodies": (bodies, None, {}),
@@ -126,7 +160,7 @@ def keep_alone(system, what):
     for batch in system.batches:
         if isinstance(batch, LineBatch):
             for row in (EA, CA, MASS, *HYDRO):
-                if not (row == ROWS.get(what) or (what == "HYDRO" and row in HYDRO)):
+                if not (what == "EA+CA" and row in (EA, CA)) and not (row == ROWS.get(what) or (what == "HYDRO" and row in HYDRO)):
                     batch.P[row] = 0.0
             batch.B[0] *= what == "EI"
             batch.B[1] *= what == "CB"
@@ -135,12 +169,15 @@ def keep_alone(system, what):
             batch.E[:, 1] *= what == "CB"
 
 
-def random_state(system, rng, scale=1.0, speed=1.0, fold=None, big=False, sink=0.0, step=None):
+def random_state(system, rng, scale=1.0, speed=1.0, fold=None, big=False, sink=0.0, step=None, flow=False,
+                 moving=False):  # fmt: skip
     """Scratch with a random configuration, velocity, acceleration and multipliers around the drawing position."""
     w = system.work()
     system.load(w, system.initial_state())
-    w.still = True  # no waves, no memory: what is left is a function of q, v and a
+    w.still = not moving  # no waves, no memory: what is left is a function of q, v and a
     system.begin(w, system.initial_state(), 0.4)
+    if flow:
+        w.u[:], w.du[:], w.eta[:] = rng.uniform(-1, 1, w.u.shape), rng.uniform(-1, 1, w.u.shape), 0.1
     for i in free_unknowns(system):
         turn = i >= 3 * system.n_point
         displace(system, w, i, rng.uniform(-1, 1) * (0.8 if turn else scale * (5.0 if big else 1.0)))

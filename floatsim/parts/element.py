@@ -1,0 +1,267 @@
+"""The two-node line element: axial force, weight, buoyancy, inertia, drag, fluid acceleration and seabed.
+
+Unstretched length l0 between x1 and x2, d = x2 - x1, l = |d|, t = d/l, stretch s = l/l0:
+
+    axial     T(s, ds/dt) along t from the element's law (floatsim.laws)
+    weight    m g, buoyancy phi rho A g; phi is the wet share of the element, A = pi d^2/4
+    inertia   m a - phi rho A [(1 + Ca_n) a_fn + (1 + Ca_t) a_ft - Ca_n a_n - Ca_t a_t]       (per unit length)
+    drag      phi [0.5 rho d Cd_n |w_n| w_n + 0.5 rho pi d Cd_t |w_t| w_t],   w = fluid - line velocity
+    seabed    sea/seabed.py
+
+a_f is the fluid's acceleration: its 1 is the Froude-Krylov force. All of it is lumped in equal halves to the element's
+two ends, with the element's own direction and the fluid's motion there. *Lumped* mass rather than consistent: the
+added mass turns with the element and would make
+the consistent matrix configuration-dependent off the diagonal blocks, for the same second order of
+convergence; MoorDyn and OrcaFlex lump as well, so element counts compare one to one.
+
+The exact tangent of the normal and tangential loads, y = m_n a_r + (m_t - m_n)(a_r . t) t - m_f a_f - drag with
+a_r = a - a_f, by the element's direction is short once the terms are sorted:
+
+    dy/dt (I - t t^T) = alpha (I - t t^T) + t b_n^T + gamma w_n w_n^T,
+    alpha = dm (a_r . t) + c_n |w_n| w_t - c_t |w_t| w_t,   gamma = c_n w_t/|w_n|,
+    b_n = dm a_rn + (c_n |w_n| - 2 c_t |w_t|) w_n
+
+Sources: Morison et al. (1950); Hall & Goupee (2015), Ocean Engineering 104, for lumping.
+"""
+
+from __future__ import annotations
+
+import math
+
+from floatsim.frames import at, dot, minus, times, vec
+from floatsim.jit import kernel
+from floatsim.laws.engineering import engineering
+from floatsim.laws.green import green
+from floatsim.sea.seabed import bed_height, friction, in_plane, touch
+
+# rows of the element parameter array
+L0, EA, CA, MASS, AREA, CDN, CDT, CAN, CAT, DIA, LAW, LIVE, MU_A, MU_N = range(14)
+ROWS = 14
+GREEN, ENGINEERING, SPECIAL = range(3)  # values of LAW
+RHO, GRAVITY = range(2)  # entries of the surroundings
+
+
+@kernel
+def _ramp(z, h):  # type: ignore[no-untyped-def]
+    """Wet share of a section whose centre is at z: linear over the diameter h. (value, antiderivative)."""
+    if z >= 0.5 * h:
+        return 0.0, 0.0
+    if z <= -0.5 * h:
+        return 1.0, z
+    y = 0.5 * h - z
+    return y / h, -0.5 * y * y / h
+
+
+@kernel
+def wet_share(z1, z2, h):  # type: ignore[no-untyped-def]
+    """Mean wet share phi of an element and its derivatives by z1 and z2, heights over the water surface.
+
+    phi = integral of the section's wet share along the straight element: smooth when a node leaves
+    the water, also for a horizontal element.
+    """
+    if z1 < -0.5 * h and z2 < -0.5 * h:
+        return 1.0, 0.0, 0.0
+    r1, p1 = _ramp(z1, h)
+    r2, p2 = _ramp(z2, h)
+    dz = z2 - z1
+    if abs(dz) < 1e-6 * h:
+        r, _ = _ramp(0.5 * (z1 + z2), h)
+        slope = -0.5 / h if 0.0 < r < 1.0 else 0.0
+        return r, slope, slope
+    phi = (p2 - p1) / dz
+    return phi, (phi - r1) / dz, (r2 - phi) / dz
+
+
+@kernel
+def axial(P, special, e, s, rate, cap, push):  # type: ignore[no-untyped-def]
+    """(T, dT/ds, dT/drate) of element e. special (3, n): results of laws that ran before. cap, push: see `Work`."""
+    law = P[LAW, e]
+    if law == GREEN:
+        T, Ts, Tr = green(P[EA, e], P[CA, e], s, rate)
+    elif law == ENGINEERING:
+        T, Ts, Tr = engineering(P[EA, e], P[CA, e], s, rate)
+    else:
+        T, Ts, Tr = special[0, e], special[1, e], special[2, e]
+    part = min(1.0, cap / P[EA, e]) * P[LIVE, e]
+    if s < 1.0:
+        part *= push
+    return part * T, part * Ts, part * Tr
+
+
+@kernel
+def stretches(x, v, nodes, P, s, rate):  # type: ignore[no-untyped-def]
+    """Stretch l/l0 and its rate [1/s] of every element."""
+    for e in range(nodes.shape[0]):
+        i, j = nodes[e, 0], nodes[e, 1]
+        d = minus(vec(x, j), vec(x, i))
+        l = math.sqrt(dot(d, d))
+        s[e] = l / P[L0, e]
+        rate[e] = dot(d, minus(at(v, 3 * j), at(v, 3 * i))) / (l * P[L0, e])
+
+
+@kernel
+def tensions(nodes, P, special, stretch, rate, tension):  # type: ignore[no-untyped-def]
+    """Effective tension [N] of every element."""
+    for e in range(nodes.shape[0]):
+        tension[e], _, _ = axial(P, special, e, stretch[e], rate[e], math.inf, 1.0)
+
+
+@kernel
+def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, special, slots, direct, step, Ke, A, r, s):  # type: ignore[no-untyped-def]
+    """Everything but bending of every element.
+
+    x (n_point, 3), v and a (flat), u and du (n_point, 3) velocity and acceleration of the fluid, eta (n_point) height
+    of the surface; c: see `Work`; nodes (n_el, 2); P (ROWS, n_el); bed, grid: sea/seabed.py; stick (2 n_el, 6);
+    slots (n_el, 36) into A; where direct >= 0 the six unknowns stand in a band: entry (m, n) at direct + m step + n;
+    Ke (6, 6) scratch. Adds to A, residual r and force scale s.
+    """
+    cM, cC, cK, tangent = c[0], c[1], c[2], c[6] != 0.0
+    rho, g = env[RHO], env[GRAVITY]
+    plane, slope_x, slope_y, stiffness, damping, slip = bed[0], bed[1], bed[2], bed[3], bed[4], bed[5]
+    uneven, rough = grid.shape[0] > 0, c[7] != 0.0
+    for e in range(nodes.shape[0]):
+        i, j = nodes[e, 0], nodes[e, 1]
+        x1, x2 = vec(x, i), vec(x, j)
+        d = minus(x2, x1)
+        l = math.sqrt(dot(d, d))
+        t = times(1.0 / l, d)
+        l0 = P[L0, e]
+        half = 0.5 * l0
+        dv = minus(at(v, 3 * j), at(v, 3 * i))
+        along = dot(t, dv)
+        T, Ts, Tr = axial(P, special, e, l / l0, along / l0, c[5], c[4])
+        for m in range(3):
+            r[3 * i + m] -= T * t[m]
+            r[3 * j + m] += T * t[m]
+        if tangent:
+            # df/dx = dT/ds t t^T/l0 + T/l (I - t t^T) + dT/drate t dv_n^T/(l l0),   df/dv = dT/drate t t^T/l0
+            side = cK * T / l
+            main = (cK * Ts + cC * Tr) / l0 - side
+            turn = cK * Tr / (l * l0)
+            for m in range(3):
+                for n in range(3):
+                    k = main * t[m] * t[n] + turn * t[m] * (dv[n] - along * t[n])
+                    if m == n:
+                        k += side
+                    Ke[m, n] = k
+                    Ke[m, n + 3] = -k
+                    Ke[m + 3, n] = -k
+                    Ke[m + 3, n + 3] = k
+        phi, phi1, phi2 = wet_share(x1[2] - eta[i], x2[2] - eta[j], P[DIA, e])
+        mf = rho * P[AREA, e] * half  # mass of water displaced by half an element
+        dry = P[MASS, e] * half
+        mn, mt = mf * P[CAN, e], mf * P[CAT, e]  # added mass of half a fully wet element
+        dm = mt - mn
+        cn = 0.5 * rho * P[DIA, e] * P[CDN, e] * half
+        ct = 0.5 * math.pi * rho * P[DIA, e] * P[CDT, e] * half
+        # rounding of the coordinates, seen through EA: no residual gets below 1e-8 of this
+        size = abs(T) + dry * g + P[EA, e] * 1e-7 * (abs(x2[0]) + abs(x2[1]) + abs(x2[2])) / l0
+        s[i] += size
+        s[j] += size
+        for k in range(2):
+            p = i if k == 0 else j
+            b = 3 * k
+            acc, vel, flow = at(a, 3 * p), at(v, 3 * p), vec(du, p)
+            if phi > 0.0:
+                w, ar = minus(vec(u, p), vel), minus(acc, flow)
+                at_, wt = dot(ar, t), dot(w, t)
+                wn = minus(w, times(wt, t))
+                wnl = math.sqrt(dot(wn, wn))
+                wta = abs(wt)
+                drag_n, drag_t = cn * wnl, ct * wta
+                axis = dm * at_ - drag_t * wt
+                y0 = mn * ar[0] + axis * t[0] - mf * flow[0] - drag_n * wn[0]
+                y1 = mn * ar[1] + axis * t[1] - mf * flow[1] - drag_n * wn[1]
+                y2 = mn * ar[2] + axis * t[2] - mf * flow[2] - drag_n * wn[2] - mf * g
+                r[3 * p] += dry * acc[0] + phi * y0
+                r[3 * p + 1] += dry * acc[1] + phi * y1
+                r[3 * p + 2] += dry * (acc[2] + g) + phi * y2
+                if tangent:
+                    inv = 1.0 / wnl if wnl > 0.0 else 0.0
+                    turn = cK * phi / l
+                    alpha = turn * (dm * at_ + drag_n * wt - drag_t * wt)
+                    gamma = turn * cn * wt * inv
+                    bw = turn * (drag_n - 2.0 * drag_t)
+                    ba = turn * dm
+                    own = cM * (dry + phi * mn) + cC * phi * drag_n
+                    tt = phi * (cM * dm + cC * (2.0 * drag_t - drag_n))
+                    ww = cC * phi * cn * inv
+                    for m in range(3):
+                        for n in range(3):
+                            E = 1.0 if m == n else 0.0
+                            bn = ba * (ar[n] - at_ * t[n]) + bw * wn[n]
+                            q = alpha * (E - t[m] * t[n]) + t[m] * bn + gamma * wn[m] * wn[n]
+                            Ke[b + m, n] -= q
+                            Ke[b + m, n + 3] += q
+                            Ke[b + m, b + n] += own * E + tt * t[m] * t[n] + ww * wn[m] * wn[n]
+                    if phi1 != 0.0 or phi2 != 0.0:
+                        for m in range(3):
+                            y = cK * (y0 if m == 0 else (y1 if m == 1 else y2))
+                            Ke[b + m, 2] += y * phi1
+                            Ke[b + m, 5] += y * phi2
+            else:
+                for m in range(3):
+                    r[3 * p + m] += dry * (acc[m] + (g if m == 2 else 0.0))
+                    Ke[b + m, b + m] += cM * dry
+            # the seabed under this half
+            here = x1 if k == 0 else x2
+            z, zx, zy = plane + slope_x * here[0] + slope_y * here[1], slope_x, slope_y
+            if uneven:
+                z, zx, zy = bed_height(bed, grid, here[0], here[1])
+            if here[2] >= z:
+                continue
+            lift, up, stiff, damp = touch(z, zx, zy, stiffness, damping, here, vel, P[DIA, e] * half)
+            kn = cK * stiff + cC * damp
+            s[p] += lift
+            for m in range(3):
+                r[3 * p + m] -= lift * up[m]
+                for n in range(3):
+                    Ke[b + m, b + n] += kn * up[m] * up[n]
+            mu_a, mu_n = P[MU_A, e], P[MU_N, e]
+            if not rough or lift == 0.0 or mu_a + mu_n == 0.0:
+                continue
+            h = 2 * e + k
+            at_rest, way = (stick[h, 0], stick[h, 1], stick[h, 2]), (stick[h, 3], stick[h, 4], stick[h, 5])
+            q, off, ea, en, ratio = friction(here, up, at_rest, way, slip, mu_a, mu_n)
+            s[p] += lift * max(mu_a, mu_n)
+            # residual + lift q;  q = D u/slip while sticking, D u/|u| while sliding
+            pull = cK * lift / (slip * max(ratio, 1.0))
+            sliding = 1.0 / dot(off, off) if ratio > 1.0 else 0.0
+            oa, on = mu_a * dot(ea, off), mu_n * dot(en, off)
+            for m in range(3):
+                r[3 * p + m] += lift * q[m]
+                Du = (oa * ea[m] + on * en[m]) * sliding
+                for n in range(3):
+                    D = mu_a * ea[m] * ea[n] + mu_n * en[m] * en[n]
+                    Ke[b + m, b + n] += pull * (D - Du * off[n]) - q[m] * kn * up[n]
+        if tangent:
+            o = direct[e]
+            if o >= 0:
+                for m in range(6):
+                    for n in range(6):
+                        A[o + m * step + n] += Ke[m, n]
+            else:
+                for m in range(6):
+                    for n in range(6):
+                        A[slots[e, 6 * m + n]] += Ke[m, n]
+
+
+@kernel
+def drag_stick_points(x, v, nodes, P, bed, grid, stick):  # type: ignore[no-untyped-def]
+    """Commit a step: stick points of sliding halves follow, those in the water go with the line."""
+    for e in range(nodes.shape[0]):
+        d = minus(vec(x, nodes[e, 1]), vec(x, nodes[e, 0]))
+        t = times(1.0 / math.sqrt(dot(d, d)), d)
+        for k in range(2):
+            p, o = nodes[e, k], 2 * e + k
+            here = vec(x, p)
+            z, zx, zy = bed_height(bed, grid, here[0], here[1])
+            lift, normal, _, _ = touch(z, zx, zy, bed[3], bed[4], here, at(v, 3 * p), P[DIA, e] * 0.5 * P[L0, e])
+            u = in_plane(normal, (here[0] - stick[o, 0], here[1] - stick[o, 1], here[2] - stick[o, 2]))
+            size = math.sqrt(dot(u, u))
+            left = 0.0
+            if lift > 0.0:
+                left = min(1.0, bed[5] / size) if size > 0.0 else 1.0
+            for m in range(3):
+                stick[o, m] = here[m] - left * u[m]
+                stick[o, 3 + m] = t[m]
