@@ -39,10 +39,11 @@ from floatsim.system.system import System, assemble
 from floatsim.version import __version__
 
 __all__ = [
-    "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break", "CaseError", "Clamp", "Current", "DecayTest", "Engineering", "Expected", "FloatsimError", "HydroDatabase",
-    "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError", "MomentTable", "Motion", "Piece", "PiersonMoskowitz", "PointMass",
-    "PotentialFlow", "Prescribed", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "SolveFailed", "Spring",
-    "State", "StaticDynamic", "StaticReport", "StepReport", "Stepper", "System", "TensionTable", "WaveComponents", "Weld", "assemble", "check_database",
-    "decay_test", "generalised_alpha", "hht", "natural_modes", "newmark", "read_wamit", "simulate", "solve_static",
-    "__version__", "step",
+    "__version__", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break", "CaseError",
+    "check_database", "Clamp", "Current", "decay_test", "DecayTest", "Engineering", "Expected", "FloatsimError",
+    "generalised_alpha", "hht", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError",
+    "MomentTable", "Motion", "natural_modes", "newmark", "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow",
+    "Prescribed", "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "simulate",
+    "solve_static", "SolveFailed", "Spring", "State", "StaticDynamic", "StaticReport", "step", "Stepper",
+    "StepReport", "System", "TensionTable", "WaveComponents", "Weld",
 ]  # fmt: skip

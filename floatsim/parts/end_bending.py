@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from floatsim.description import Vector3
 from floatsim.errors import ModelError
-from floatsim.frames import at, cross, minus, plus, rotate, times, unit, vec
+from floatsim.frames import Array, at, cross, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
 from floatsim.laws.moment_table import pad_tables, pair_table
 from floatsim.parts.bending import bend

@@ -106,7 +106,7 @@ class Line(Part):
             if stiffener is not None and stiffener.length > self.length:
                 raise ValueError(f"{end} is {stiffener.length:g} m long, the line only {self.length:g} m")
         if self.shape is not None and not hasattr(self.shape, "points"):
-            raise ValueError(f"shape: got {self.shape!r}; Straight(), Arc(), Catenary(), ThreeCircles(...) or Nodes(...)")
+            raise ValueError(f"shape: got {self.shape!r}; one of floatsim.parts.shapes is allowed, or None")
         return self
 
     @staticmethod
@@ -233,10 +233,8 @@ class Line(Part):
         if a is None or b is None:
             return None
         a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
-        if self.shape is None:
-            x = self._arc(a, b, sea)
-        else:
-            x = self.shape.points(a, b, self.arc_length, sea.depth, self)
+        s = self.arc_length
+        x = self._arc(a, b, sea) if self.shape is None else self.shape.points(a, b, s, sea.depth, self)
         if self.form == "ball_joints":
             x = np.repeat(x, 2, axis=0)[1:-1]
         return x, np.empty((0, 3, 3))
@@ -374,7 +372,7 @@ class LineBatch:
         self._slots = slots[0]
         self._direct, self._step = _in_band(slots[0], np.arange(6))
         stiff = np.flatnonzero(self.k > 0.0)
-        self._bend_slots = np.zeros((len(self.pairs), 144), dtype=np.int64) if len(stiff) else np.zeros((0, 144), np.int64)
+        self._bend_slots = np.zeros((len(self.pairs) if len(stiff) else 0, 144), dtype=np.int64)
         self._bend_direct, self._bend_step = np.full(len(self.pairs), -1), 0
         if len(stiff):
             self._bend_slots[stiff] = slots[1]
@@ -407,7 +405,8 @@ class LineBatch:
         if self.laws:
             self._special(w.x, w.v)
         line_elements(w.x, w.v, w.a, w.u, w.du, w.eta, w.c, self.nodes, self.P, self.env, self.bed, self.grid,
-                      self._stick, self.special, self._slots, self._direct, self._step, self._Ke, w.A, w.r, w.s)  # fmt: skip
+                      self._stick, self.special, self._slots, self._direct, self._step, self._Ke, w.A, w.r,
+                      w.s)  # fmt: skip
         if len(self._bend_slots):
             folded = line_bending(w.x, w.v, w.c, self.pairs, self.B, self.tables, self._bend_slots, self._bend_direct,
                                   self._bend_step, self._f, self._K, self._N, w.A, w.r, w.s)  # fmt: skip

@@ -10,7 +10,7 @@ from floatsim.frames import Array
 
 
 def hanging_arc(a: Array, b: Array, arc_length: Array, depth: float) -> Array:
-    """Points (n, 3) at unstretched arc lengths (n,) on a circular arc of the line's length from a to b, above the seabed.
+    """Points (n, 3) at unstretched arc lengths (n,) on a circular arc from a to b of the line's length, above the bed.
 
     Straight if the length does not exceed the span. A slack line drawn straight would be compressed by far more than
     its weight and start by folding; an arc has no strain at all. It hangs in the vertical plane of its ends; a line so

@@ -210,7 +210,7 @@ class Sampler:
             yield Channel(f"{mass.name}_{kind}", text, unit, ("xyz",)), head[index], 1.0, 0.0
 
     def _line(self, line: Line, p: int) -> Iterable[Found]:
-        s, name, n = self._sources, line.name, line.elements
+        s, name = self._sources, line.name
         l0 = line.element_lengths
         node, element = f"{name}_node", f"{name}_element"
         self._coordinates += [
@@ -302,7 +302,8 @@ class _Sources:
         self.values = np.zeros(self.size)
         rooms = [self.values[part] for part in self._slices]
         (_, self._x, self._v, self._a, self._lam, self._attitude, self._align, self._solver, self._environment,
-         self._tension, self._angle, self._bending, self._clamp, self._moment, self._end, self._force) = rooms  # fmt: skip
+         self._tension, self._angle, self._bending, self._clamp, self._moment, self._end,
+         self._force) = rooms  # fmt: skip
         sea, gravity = system.model.sea, system.model.gravity
         self._waves = None if sea.waves is None else sea.waves.realise(sea.depth, gravity)
         self._ramp = sea.wave_ramp

@@ -44,7 +44,7 @@ def line(elements=4, z=(5.0, 9.0), sea=DRY, gravity=9.81, joints=(), form="share
 
 
 def on_bed(z=(-20, -19), **more):
-    """A rough sloping bed that every node touches; `scale` of the random states decides between sticking and sliding."""
+    """A rough sloping bed that every node touches; `scale` of the random states decides what slides."""
     bed = fs.Seabed(stiffness=2e4, damping=3e3, friction=0.9, friction_axial=0.5, slip_length=0.8, **more)
     return line(z=z, sea=fs.Sea(depth=20.0, seabed=bed))
 
@@ -160,7 +160,8 @@ def keep_alone(system, what):
     for batch in system.batches:
         if isinstance(batch, LineBatch):
             for row in (EA, CA, MASS, *HYDRO):
-                if not (what == "EA+CA" and row in (EA, CA)) and not (row == ROWS.get(what) or (what == "HYDRO" and row in HYDRO)):
+                kept = {"HYDRO": HYDRO, "EA+CA": (EA, CA)}.get(what, (ROWS.get(what),))
+                if row not in kept:
                     batch.P[row] = 0.0
             batch.B[0] *= what == "EI"
             batch.B[1] *= what == "CB"
