@@ -23,15 +23,17 @@ from floatsim.parts.body import Body
 from floatsim.parts.line import Line
 from floatsim.parts.point_mass import PointMass
 from floatsim.parts.section import Attachment, BendStiffener, Break, Piece, Section
+from floatsim.parts.shapes import Arc, Catenary, Nodes, Straight, ThreeCircles
 from floatsim.parts.spring import Spring
 from floatsim.sea.seabed import Bathymetry, Seabed
-from floatsim.sea.site import Current, Sea
+from floatsim.sea.site import Current, CurrentTable, PowerLaw, Sea
 from floatsim.sea.spectra import Jonswap, PiersonMoskowitz
 from floatsim.sea.waves import IrregularWaves, RegularWave, WaveComponents
 from floatsim.solve.modes import Mode, natural_modes
 from floatsim.solve.scheme import Scheme, generalised_alpha, hht, newmark
 from floatsim.solve.static import StaticReport, solve_static
 from floatsim.solve.step import Stepper, StepReport, step
+from floatsim.study.lazy_wave import diameter_from_weights, section_lengths, sizing
 from floatsim.study.release import DecayTest, decay_test
 from floatsim.study.simulate import Run, simulate
 from floatsim.system.state import State
@@ -39,11 +41,12 @@ from floatsim.system.system import System, assemble
 from floatsim.version import __version__
 
 __all__ = [
-    "__version__", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break", "CaseError",
-    "check_database", "Clamp", "Current", "decay_test", "DecayTest", "Engineering", "Expected", "FloatsimError",
-    "generalised_alpha", "hht", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError",
-    "MomentTable", "Motion", "natural_modes", "newmark", "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow",
-    "Prescribed", "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "simulate",
-    "solve_static", "SolveFailed", "Spring", "State", "StaticDynamic", "StaticReport", "step", "Stepper",
-    "StepReport", "System", "TensionTable", "WaveComponents", "Weld",
+    "__version__", "Arc", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break",
+    "CaseError", "Catenary", "check_database", "Clamp", "Current", "CurrentTable", "decay_test", "DecayTest",
+    "diameter_from_weights", "Engineering", "Expected", "FloatsimError", "generalised_alpha", "hht", "HydroDatabase",
+    "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError", "MomentTable", "Motion", "natural_modes",
+    "newmark", "Nodes", "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow", "PowerLaw", "Prescribed",
+    "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "section_lengths", "simulate",
+    "sizing", "solve_static", "SolveFailed", "Spring", "State", "StaticDynamic", "StaticReport", "step", "Stepper",
+    "StepReport", "Straight", "System", "TensionTable", "ThreeCircles", "WaveComponents", "Weld",
 ]  # fmt: skip

@@ -14,6 +14,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -71,11 +72,17 @@ def cache_is_cold() -> bool:
     return next(CACHE_DIRECTORY.rglob("*.nbi"), None) is None
 
 
-def kernel(function: Callable[..., Any]) -> Any:
-    """Compile a scalar kernel on first call; division by zero gives inf as in NumPy, no fastmath."""
+def kernel(function: Callable[..., Any] | None = None, *, fastmath: bool | set[str] = False) -> Any:
+    """Compile a scalar kernel on first call; division by zero gives inf as in NumPy.
+
+    fastmath: LLVM's flags, none by default. {"reassoc", "contract"} lets long sums run in vector registers: their
+    last digits then depend on the processor.
+    """
+    if function is None:
+        return partial(kernel, fastmath=fastmath)
     before = numba.config.CACHE_DIR  # type: ignore[attr-defined]
     numba.config.CACHE_DIR = str(CACHE_DIRECTORY)  # type: ignore[attr-defined]
     try:
-        return numba.njit(cache=True, error_model="numpy")(function)
+        return numba.njit(cache=True, error_model="numpy", fastmath=fastmath)(function)
     finally:
         numba.config.CACHE_DIR = before  # type: ignore[attr-defined]

@@ -1,6 +1,6 @@
 """A chain hung between two fixed points in the air: the smallest model with a line.
 
-At rest it is a catenary: with half span 40 m and length 100 m, a = 23.7 m solves sinh(40/a) = 50/a and the
+At rest it is a catenary: with half span 40 m and length 100 m, a = 33.82 m solves sinh(40/a) = 50/a and the
 horizontal tension is w a (closed form).
 """
 

@@ -93,6 +93,7 @@ class LineLoadBatch:
                                 sphere_height(load.volume)))  # fmt: skip
         self.points = np.array(points, dtype=np.int64)
         self.P = np.array(columns, dtype=float).T.copy()
+        self.wet_points = np.unique(self.points)
 
     def dofs(self, n_point: int) -> list[Index]:
         return [3 * self.points[:, None] + np.arange(3)]

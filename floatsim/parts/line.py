@@ -267,7 +267,8 @@ class Line(Part):
                 "lengthen it, move an end, or set taut=True if it is meant to be pretensioned"
             )
         if self.shape is not None and hasattr(self.shape, "problems"):
-            found += [f"Line '{self.name}': {line}" for line in self.shape.problems(a, b, self.arc_length, sea.depth)]
+            wrong = self.shape.problems(a, b, self.arc_length, sea.depth, self)
+            found += [f"Line '{self.name}': {line}" for line in wrong]
         for end, point in (("end_a", a), ("end_b", b)):
             bed = sea.seabed.height(point[0], point[1], sea.depth)
             if point[2] < bed - 1e-6 * sea.depth:

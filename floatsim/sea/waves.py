@@ -11,6 +11,12 @@ with one wave at the frequency that halves the bin's energy. These frequencies h
 does not come near to repeating either is checked, not assumed (`IrregularWaves.duration`). The phases come from the
 raw integers of NumPy's PCG64 bit generator, whose stream for a seed is guaranteed to stay (distributions are not):
 phase = 2 pi (raw >> 11) / 2^53, in the order of the frequencies. Same seed, same sea, whatever else a model contains.
+
+A short-crested sea has as many waves, and the same frequencies and phases; each has its own heading b. Directions are
+spread about the mean b0 by D(b) proportional to cos^(2s)((b - b0)/2), all round, the same at all frequencies
+(Longuet-Higgins, Cartwright & Smith 1963; the alternative cos^n(b - b0) over half the circle is about as wide for
+s = 2n + 1, DNV-RP-C205 3.5.8). n directions halve the energy of n sectors of equal energy; they are dealt to the
+frequencies in the order of the next n raw integers of the seed's stream.
 """
 
 from __future__ import annotations
@@ -155,11 +161,13 @@ def _has_density(value: Any) -> Any:
 
 
 class IrregularWaves(Description):
-    """Long-crested irregular sea from a spectrum and a seed; how it is made is said at the top of this module.
+    """Irregular sea from a spectrum and a seed; how it is made is said at the top of this module.
 
     spectrum     Jonswap, PiersonMoskowitz or any object with density(omega)
     seed         integer, not negative; same seed, same sea
-    heading_deg  degrees, towards which the waves travel
+    heading_deg  degrees, towards which the waves travel, their mean if they are spread
+    spreading    s of cos^(2s)((b - b0)/2), waves of all headings b about the mean; None: a long-crested sea.
+                 About 5 to 10 for wind seas and more for swell; the r.m.s. spread is near sqrt(2/(s + 1)) rad
     components   number of waves
     duration     s, within which the sea must not repeat; `realise` refuses it otherwise
     omega_max    rad/s: the spectrum is cut here and its energy above left out (not spread over the rest)
@@ -168,6 +176,7 @@ class IrregularWaves(Description):
     spectrum: Annotated[SkipValidation[Spectrum], AfterValidator(_has_density)]
     seed: Annotated[int, BeforeValidator(_integer), Field(ge=0)]
     heading_deg: Finite = 0.0
+    spreading: Positive | None = None
     components: PositiveInt = 200
     duration: Positive = 3600.0
     omega_max: Positive | None = None
@@ -188,10 +197,15 @@ class IrregularWaves(Description):
                 f"{self.duration:g} s; about {enough} components do"
             )
         amplitude = np.full(self.components, math.sqrt(2.0 * variance / self.components))
-        raw = np.random.PCG64(self.seed).random_raw(self.components)
+        stream = np.random.PCG64(self.seed)
+        raw = stream.random_raw(self.components)
         phase = np.asarray((raw >> np.uint64(11)) * (2.0 * np.pi / 2.0**53), dtype=np.float64)
         sea = _realisation(amplitude, omega, self.heading_deg, 0.0, depth, gravity)
-        return Realisation(sea.amplitude, omega, sea.wave_number, sea.heading, phase, depth, self.duration)
+        heading = sea.heading
+        if self.spreading is not None:
+            place = np.argsort(stream.random_raw(self.components), kind="stable")
+            heading = heading + _equal_energy_directions(self.spreading, self.components)[place]
+        return Realisation(sea.amplitude, omega, sea.wave_number, heading, phase, depth, self.duration)
 
     def _label(self) -> str:
         return "IrregularWaves" + (f" '{self.name}'" if self.name else "")
@@ -212,6 +226,17 @@ class IrregularWaves(Description):
             raise ModelError(f"{self._label()}: the spectrum {self.spectrum!r} has no energy up to {grid[-1]:g} rad/s")
         middle = (np.arange(self.components) + 0.5) / self.components * energy[-1]
         return np.interp(middle, energy, grid), float(energy[-1])
+
+
+def _equal_energy_directions(s: float, n: int) -> Array:
+    """Directions (n,), rad from the mean, that halve the energy of n sectors of equal energy of cos^(2s)(b/2).
+
+    sin^2(b/2) has a beta distribution of parameters 1/2 and s + 1/2.
+    """
+    from scipy.special import betaincinv
+
+    share = (2.0 * np.arange(n) + 1.0 - n) / n  # of the energy within b of the mean, signed
+    return np.asarray(2.0 * np.sign(share) * np.arcsin(np.sqrt(betaincinv(0.5, s + 0.5, np.abs(share)))))
 
 
 def _repeat_period(omega: Array, duration: float) -> float:

@@ -123,6 +123,7 @@ class _Relaxation:
         """Residual and matrix here."""
         w, sys = self.work, self.system
         w.c[:4] = (1.0 / self.h**2, 0.0, 1.0, self._size)
+        sys.flow(w, w.x, w.t)  # a current may change with depth
         sys.evaluate(w)
         w.r[self._held] = 0.0
         self._entries = np.abs(w.A[self._diagonal])

@@ -304,9 +304,7 @@ class _Sources:
         (_, self._x, self._v, self._a, self._lam, self._attitude, self._align, self._solver, self._environment,
          self._tension, self._angle, self._bending, self._clamp, self._moment, self._end,
          self._force) = rooms  # fmt: skip
-        sea, gravity = system.model.sea, system.model.gravity
-        self._waves = None if sea.waves is None else sea.waves.realise(sea.depth, gravity)
-        self._ramp = sea.wave_ramp
+        self._waves, self._ramp = system.waves, system.model.sea.wave_ramp
 
     def _room(self, n: int) -> Index:
         first, self.size = self.size, self.size + n

@@ -150,9 +150,9 @@ def simulate(
     duration, dt, interval = _check_case(duration, dt, interval, output, precision, scheme, tolerance, state)
     system = as_system(model)
     sea = system.model.sea
-    if sea.waves is not None:
+    if system.waves is not None:
         end = duration + (0.0 if state is None else state.t)
-        _check_waves(sea.waves.realise(sea.depth, system.model.gravity), end, min(dt, interval))
+        _check_waves(system.waves, end, min(dt, interval))
     if state is not None and (state.x.shape != system.x0.shape or len(state.lam) != system.n_con):
         raise CaseError(f"state: it belongs to another system than '{system.model.name}'")
     stepper = Stepper(system, scheme, tolerance)

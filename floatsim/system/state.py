@@ -53,6 +53,8 @@ class Work:
         self.still = False
         self.trouble: str | None = None
         self.event = False
+        self.water: Any = None  # fluid kinematics at the wet points, with waves and without
+        self.still_water: Any = None
         self.x = np.zeros((n_point + 1, 3))
         self.q = np.zeros((n_rotation + 1, 4))
         self.q[:, 0] = 1.0

@@ -26,6 +26,7 @@ from floatsim.frames import Array, quaternion_from_matrix, set_matrix
 from floatsim.jit import kernel
 from floatsim.joints.constraints import Align, Coincide, Constraints, Place
 from floatsim.model import Model
+from floatsim.sea.kinematics import Kinematics
 from floatsim.system.layout import build_layout
 from floatsim.system.state import State, Work
 
@@ -97,7 +98,12 @@ class System:
         self.n_con = self.constraints.n
         self.n = self.n_dof + self.n_con
         self.layout = self._layout()
-        self.current = model.sea.current.velocity
+        sea = model.sea
+        self.current = sea.current.velocity
+        self.waves = None if sea.waves is None else sea.waves.realise(sea.depth, model.gravity)
+        wet = [batch.wet_points for batch in self.batches if hasattr(batch, "wet_points")]
+        self.wet_points = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *wet]))
+        self._ahead = np.zeros((self.n_point + 1, 3))
         self.length = self._extent()
         rank_check(self)
 
@@ -178,6 +184,10 @@ class System:
         """Fresh scratch for evaluations."""
         w = Work(self.n_point, self.n_rotation, self.n, self.n_con, self.layout.size)
         w.u[: self.n_point] = self.current
+        sea, points = self.model.sea, self.wet_points
+        if len(points):
+            w.water = Kinematics(self.waves, sea.current, sea.depth, sea.wave_ramp, sea.stretching, points)
+            w.still_water = Kinematics(None, sea.current, sea.depth, 0.0, sea.stretching, points)
         return w
 
     def initial_state(self) -> State:
@@ -204,12 +214,27 @@ class System:
         _configure(w.q, w.R)
 
     def begin(self, w: Work, state: State, t: float) -> None:
-        """Prepare everything that is constant during a step from `state` to time t."""
+        """Prepare everything that is constant during a step from `state` to time t.
+
+        The water's motion at the wet points too: it is taken where they will be if their accelerations stay, which
+        is off by less than h^3, and saves the kinematics from the Newton iterations.
+        """
+        s = t - state.t
+        ahead = self._ahead
+        np.multiply(state.v[: ahead.size] + 0.5 * s * state.a[: ahead.size], s, out=ahead.reshape(-1))
+        ahead += state.x
+        self.flow(w, ahead, t)
         w.t = t
         self.constraints.move(t)
         for k, batch in enumerate(self.batches):
             if hasattr(batch, "begin"):
                 batch.begin(w, state.history.get(k), t)
+
+    def flow(self, w: Work, x: Array, t: float) -> None:
+        """Velocity and acceleration of the water and its surface at the wet points, at positions x (n_point + 1, 3)."""
+        water = w.still_water if w.still else w.water
+        if water is not None:
+            water.move(x, t, w.u, w.du, w.eta)
 
     def evaluate(self, w: Work) -> None:
         """Residual r = M a + f_int - f_ext + G^T lam (and cG g), and cM M + cC C + cK K with cG G into A."""
