@@ -211,6 +211,8 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
             if here[2] >= z:
                 continue
             lift, up, stiff, damp = touch(z, zx, zy, stiffness, damping, here, vel, P[DIA, e] * half)
+            if lift == 0.0:  # a bed that would pull lets go
+                continue
             kn = cK * stiff + cC * damp
             s[p] += lift
             for m in range(3):
@@ -218,7 +220,7 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
                 for n in range(3):
                     Ke[b + m, b + n] += kn * up[m] * up[n]
             mu_a, mu_n = P[MU_A, e], P[MU_N, e]
-            if not rough or lift == 0.0 or mu_a + mu_n == 0.0:
+            if not rough or mu_a + mu_n == 0.0:
                 continue
             h = 2 * e + k
             at_rest, way = (stick[h, 0], stick[h, 1], stick[h, 2]), (stick[h, 3], stick[h, 4], stick[h, 5])
