@@ -34,6 +34,7 @@ from floatsim.solve.scheme import Scheme, generalised_alpha, hht, newmark
 from floatsim.solve.static import StaticReport, solve_static
 from floatsim.solve.step import Stepper, StepReport, step
 from floatsim.study.lazy_wave import diameter_from_weights, section_lengths, sizing
+from floatsim.study.moordyn import MoorDynImport, read_moordyn
 from floatsim.study.release import DecayTest, decay_test
 from floatsim.study.simulate import Run, simulate
 from floatsim.system.state import State
@@ -44,9 +45,10 @@ __all__ = [
     "__version__", "Arc", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break",
     "CaseError", "Catenary", "check_database", "Clamp", "Current", "CurrentTable", "decay_test", "DecayTest",
     "diameter_from_weights", "Engineering", "Expected", "FloatsimError", "generalised_alpha", "hht", "HydroDatabase",
-    "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError", "MomentTable", "Motion", "natural_modes",
-    "newmark", "Nodes", "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow", "PowerLaw", "Prescribed",
-    "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "section_lengths", "simulate",
-    "sizing", "solve_static", "SolveFailed", "Spring", "State", "StaticDynamic", "StaticReport", "step", "Stepper",
-    "StepReport", "Straight", "System", "TensionTable", "ThreeCircles", "WaveComponents", "Weld",
+    "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion",
+    "natural_modes", "newmark", "Nodes", "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow", "PowerLaw",
+    "Prescribed", "read_moordyn", "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section",
+    "section_lengths", "simulate", "sizing", "solve_static", "SolveFailed", "Spring", "State", "StaticDynamic",
+    "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TensionTable", "ThreeCircles",
+    "WaveComponents", "Weld",
 ]  # fmt: skip

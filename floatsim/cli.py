@@ -18,7 +18,7 @@ app = typer.Typer(
     help="Dynamics of floating wind turbines, wave-energy converters and their moorings and power cables.",
 )  # fmt: skip
 
-Script = Annotated[str, typer.Argument(metavar="MODEL.py", help="Python file with a build(**parameters) -> Model.")]
+Script = Annotated[str, typer.Argument(metavar="MODEL.py", help="Python file with a build(**parameters) -> Model, or a MoorDyn file.")]
 Parameters = Annotated[list[str], typer.Option("-p", metavar="NAME=VALUE", help="Parameter of build(); repeatable.")]
 MODES_LIMIT = 2000  # unknowns up to which `static` looks at stability: dense eigenvalues
 OUTPUT_HELP = "netCDF file to write."
@@ -130,11 +130,18 @@ def common(
 @app.command()
 def check(script: Script, p: Parameters = []) -> None:  # noqa: B006
     """Problems, equilibrium sheet, hydrodynamic checks and the table of unknowns."""
+    from floatsim.study.script import load_deck, parse_parameters
     from floatsim.study.sheet import body_sheets, database_findings, dof_table, line_notes, memory_notes
 
     system, _ = _load(script, p)
     model, console = system.model, _console()
     console.print(f"model '{model.name}': no problems in {len(model.parts)} parts and {len(model.joints)} joints")
+    if Path(script).suffix != ".py":
+        deck = load_deck(script, parse_parameters(p))
+        for title, sentences in (("not understood", deck.not_understood), ("converted", deck.notes)):
+            console.print(f"{title}:" if sentences else f"{title}: nothing")
+            for sentence in sentences:
+                console.print(f"  {sentence}")
     for sheet in body_sheets(system):
         f, m, a = sheet.net_force, sheet.net_moment, sheet.attached
         rows = [

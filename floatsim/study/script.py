@@ -56,8 +56,10 @@ def load_model(path: str | Path, parameters: dict[str, Any] | None = None) -> Mo
     parameters = parameters or {}
     if not file.is_file():
         raise ModelError(f"model script '{path}': there is no such file")
+    if file.suffix.lower() in (".txt", ".dat"):
+        return load_deck(file, parameters).model
     if file.suffix != ".py":
-        raise ModelError(f"model script '{path}': a Python file (.py) with a build() is needed")
+        raise ModelError(f"model script '{path}': a Python file (.py) with a build(), or a MoorDyn file, is needed")
     spec = importlib.util.spec_from_file_location(_PREFIX + file.stem, file)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -74,6 +76,17 @@ def load_model(path: str | Path, parameters: dict[str, Any] | None = None) -> Mo
     if not isinstance(model, Model):
         raise ModelError(f"model script '{path}': build() returned {type(model).__name__}, a floatsim.Model is needed")
     return model
+
+
+def load_deck(path: str | Path, parameters: dict[str, Any] | None = None) -> Any:
+    """A MoorDyn file; of `parameters` it takes depth and name. Raises ModelError."""
+    from floatsim.study.moordyn import read_moordyn
+
+    known = ["depth", "name"]
+    wrong = [name for name in parameters or {} if name not in known]
+    if wrong:
+        raise ModelError([f"MoorDyn file '{path}' takes no '{n}'{nearest(n, known)}" for n in wrong])
+    return read_moordyn(path, **(parameters or {}))
 
 
 def _check_names(path: str | Path, build: Any, parameters: dict[str, Any]) -> None:
