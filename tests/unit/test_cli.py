@@ -231,8 +231,8 @@ def test_scripts(floatsim, tmp_path, case):
 
 def test_scripts_that_are_none(floatsim, tmp_path):
     refused(floatsim("check", "nothing.py"), "'nothing.py'", "no such file")
-    (tmp_path / "model.txt").write_text("def build(): pass")
-    refused(floatsim("check", "model.txt"), "'model.txt'", "a Python file")
+    (tmp_path / "model.yaml").write_text("def build(): pass")
+    refused(floatsim("check", "model.yaml"), "'model.yaml'", "a Python file")
     (tmp_path / "folder.py").mkdir()
     refused(floatsim("check", "folder.py"), "'folder.py'", "no such file")
 
