@@ -18,7 +18,9 @@ app = typer.Typer(
     help="Dynamics of floating wind turbines, wave-energy converters and their moorings and power cables.",
 )  # fmt: skip
 
-Script = Annotated[str, typer.Argument(metavar="MODEL.py", help="Python file with build(**parameters), or a MoorDyn file.")]
+Script = Annotated[
+    str, typer.Argument(metavar="MODEL.py", help="Python file with build(**parameters), or a MoorDyn file.")
+]
 Parameters = Annotated[list[str], typer.Option("-p", metavar="NAME=VALUE", help="Parameter of build(); repeatable.")]
 MODES_LIMIT = 2000  # unknowns up to which `static` looks at stability: dense eigenvalues
 OUTPUT_HELP = "netCDF file to write."

@@ -249,6 +249,25 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
 
 
 @kernel
+def step_error(tension, old, limit, line_of, h, scale, largest):  # type: ignore[no-untyped-def]
+    """Largest |T - T_extrapolated| over `limit` times the line's largest tension so far.
+
+    old (3, n): tension before the step, at the step before, and the size of that step; scale (n_line): largest tension
+    before the step, largest (n_line): with it.
+    """
+    worst = 0.0
+    for k in range(scale.shape[0]):
+        largest[k] = scale[k]
+    for e in range(tension.shape[0]):
+        before = old[2, e]
+        ahead = old[0, e] + (old[0, e] - old[1, e]) * h / before
+        k = line_of[e]
+        largest[k] = max(largest[k], abs(tension[e]))
+        worst = max(worst, abs(tension[e] - ahead) / max(limit * largest[k], 1e-300))
+    return worst
+
+
+@kernel
 def drag_stick_points(x, v, nodes, P, bed, grid, stick):  # type: ignore[no-untyped-def]
     """Commit a step: stick points of sliding halves follow, those in the water go with the line."""
     for e in range(nodes.shape[0]):

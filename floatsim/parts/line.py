@@ -33,6 +33,7 @@ from floatsim.parts.element import (
     SPECIAL,
     drag_stick_points,
     line_elements,
+    step_error,
     stretches,
     tensions,
 )
@@ -42,6 +43,7 @@ from floatsim.parts.shapes import hanging_arc
 
 Index = NDArray[np.int64]
 
+STRAIN_ERROR = 0.02  # of a line's largest tension so far: local error of a step that is allowed
 _SAMPLES = (np.arange(8) + 0.5) / 8.0  # of a half element, for what a stiffener adds to it
 
 
@@ -305,6 +307,9 @@ class LineBatch:
         n = len(self.nodes)
         self._s, self._rate, self.special = np.zeros(n), np.zeros(n), np.zeros((3, n))
         self._stick = np.zeros((2 * n, 6))
+        self._tension = np.zeros(n)
+        self._line_of = np.repeat(np.arange(len(parts)), [line.elements for line in parts])
+        self._largest = np.zeros(len(parts))
         self._h = -1.0
 
     def _bending(self, nodes: list[Index]) -> None:
@@ -388,9 +393,14 @@ class LineBatch:
         stick[:, :3] = state.x[self.nodes.ravel()]
         d = np.diff(state.x[self.nodes], axis=1)[:, 0]
         stick[:, 3:] = np.repeat(d / np.linalg.norm(d, axis=1)[:, None], 2, axis=0)
+        self._old, self._h = [law.start(self._s[index]) for law, index, _, _ in self.laws], -1.0
+        tension = np.tile(self.tension(state), (3, 1))
+        tension[2] = 1.0  # what was before is as good as long ago
+        largest = np.zeros(len(self.parts))
+        np.maximum.at(largest, self._line_of, np.abs(tension[0]))
         return {
-            "t": state.t, "broken": np.zeros(len(self.breaks), dtype=bool), "stick": stick,
-            "laws": [law.start(self._s[index]) for law, index, _, _ in self.laws],
+            "t": state.t, "broken": np.zeros(len(self.breaks), dtype=bool), "stick": stick, "laws": self._old,
+            "tension": tension, "largest": largest,
         }  # fmt: skip
 
     def begin(self, w: Any, history: dict[str, Any], t: float) -> None:
@@ -422,6 +432,18 @@ class LineBatch:
             evaluate(self._s[index], self._rate[index], old, new, self._h, out)
             self.special[:, index] = out
 
+    def error(self, history: dict[str, Any], w: Any) -> float:
+        """Local error of the step in `w` over what is allowed: of axial strains, as tensions (STRAIN_ERROR).
+
+        The error is what extrapolating the last two tensions misses: its size tells whether the step resolves how
+        the tension changes, also where Newton converges happily on a step that smears a snap.
+        """
+        stretches(w.x, w.v, self.nodes, self.P, self._s, self._rate)
+        tensions(self.nodes, self.P, self.special, self._s, self._rate, self._tension)
+        old = history["tension"]
+        return float(step_error(self._tension, old, STRAIN_ERROR, self._line_of, w.t - history["t"],
+                                history["largest"], self._largest))  # fmt: skip
+
     def commit(self, history: dict[str, Any], w: Any) -> None:
         """Take in the accepted step; `w.event` says that something broke."""
         if self.rough:
@@ -429,6 +451,10 @@ class LineBatch:
         for (law, _, _, new), old in zip(self.laws, history["laws"], strict=True):
             if law.memory:
                 np.copyto(old, new)
+        if w.controlled:
+            old = history["tension"]
+            old[1], old[0], old[2] = old[0], self._tension, w.t - history["t"]
+            np.maximum(history["largest"], self._largest, out=history["largest"])
         history["t"] = w.t
         if self.breaks and not history["broken"].all():
             tension = self.tension(w)[self.break_element]
@@ -449,6 +475,8 @@ class LineBatch:
     def tension(self, w: Any) -> Array:
         """Effective tension of all elements [N], shape (n_elements of all lines,)."""
         out = np.empty(len(self.nodes))
+        if self.laws:
+            self._special(w.x, w.v)
         stretches(w.x, w.v, self.nodes, self.P, self._s, self._rate)
         tensions(self.nodes, self.P, self.special, self._s, self._rate, out)
         return out

@@ -40,6 +40,7 @@ class StepReport:
     step: float
     residual: float
     reason: str = ""
+    error: float = 0.0  # local error over what is allowed, if it is controlled
 
 
 @kernel
@@ -130,8 +131,12 @@ class Stepper:
 
     # -- one step -----------------------------------------------------------------------------
 
-    def step(self, state: State, h: float) -> StepReport:
-        """Advance `state` by h in place if the step converges; leave it untouched if not."""
+    def step(self, state: State, h: float, control: float | None = None) -> StepReport:
+        """Advance `state` by h in place if the step converges; leave it untouched if not.
+
+        control: the local error that is allowed, over what batches think right (1; inf only measures it); None: not
+        looked at.
+        """
         w, sys, sch = self.work, self.system, self.scheme
         if state.step != h and state.step > 0.0:
             # aux belongs to t + (am - af) h: move it along the true acceleration's slope. What velocities
@@ -149,12 +154,21 @@ class Stepper:
         self._weights(h)
         sys.begin(w, state, state.t + h)
         report = self._newton(state, h, v0, aux0)
+        if report.converged and control is not None:
+            error = sys.error(w, state)
+            good = error <= control
+            why = "" if good else f"the step is too long to follow the tension: local error {error:.2g} of the allowed"
+            report = StepReport(good, report.iterations, h, report.residual, why, error)
+        w.controlled = control is not None
         if report.converged:
             sys.commit(w, state)
             state.t += h
             for name in ("x", "q", "v", "a", "aux", "lam"):
                 np.copyto(getattr(state, name), getattr(w, name))
             state.step = h
+            if w.event:  # something broke: accelerations jump
+                w.event = False
+                self.start(state, h)
         return report
 
     def _newton(self, state: State, h: float, v0: Array, aux0: Array) -> StepReport:

@@ -32,7 +32,9 @@ from floatsim.version import __version__
 
 STEPS_PER_WAVE, FAST_SHARE = 10.0, 0.05  # steps a wave needs, and how much of the energy may have fewer
 MAX_CUTS = 12  # halvings of the asked step before a run gives up
+MAX_ERROR_CUTS = 7  # halvings for the sake of accuracy; a step this small is accepted whatever its error
 _CALM = 4  # good steps before a cut step is doubled again
+_EASY = 0.2  # of the allowed local error, below which a cut step may be doubled: the error falls with the square
 
 Progress = Callable[[float, int], None]
 
@@ -132,6 +134,7 @@ def simulate(
     interval: float | None = None,
     channels: str | Sequence[str] = "all",
     precision: Literal["float64", "float32"] = "float64",
+    step_control: bool = True,
     scheme: Scheme | None = None,
     tolerance: float = 1e-6,
     state: State | None = None,
@@ -141,6 +144,8 @@ def simulate(
     """Integrate from the static equilibrium, or from `state`, for `duration` [s].
 
     dt [s]: largest step; it is made a whole fraction of `interval`, the time between outputs (default: dt).
+    step_control: halve steps whose local error of axial strain in a line is too large (2 % of the line's largest
+    tension so far), not only those that fail to converge; without lines it has nothing to look at.
     output: netCDF file to stream to; without one the results stay in memory. channels, precision: what is kept and
     how. progress(t, newton_iterations) is called about ten times a second.
 
@@ -169,14 +174,15 @@ def simulate(
     case: dict[str, str | int | float] = {
         "title": system.model.name, "water_depth": sea.depth, "floatsim_version": __version__,
         **seed_of(sea.waves), **(attributes or {}),
-        "scheme": stepper.scheme.name, "step": h, "output_interval": interval, "duration": duration,
+        "scheme": stepper.scheme.name, "step_control": int(step_control),
+        "step": h, "output_interval": interval, "duration": duration,
     }  # fmt: skip
     store: _Memory | Writer
     if output is None:
         store = _Memory(sampler.width, outputs + 1)
     else:
         store = Writer(output, sampler.channels, sampler.coordinates, case, precision, samples=outputs + 1)
-    loop = _Loop(stepper, now, h)
+    loop = _Loop(stepper, now, h, step_control)
     began = clock.perf_counter()
     shown = began
     failure = ""
@@ -259,8 +265,8 @@ class _Memory:
 class _Loop:
     """Steps with cutting and growing back."""
 
-    def __init__(self, stepper: Stepper, state: State, h: float) -> None:
-        self.stepper, self.state, self.h = stepper, state, h
+    def __init__(self, stepper: Stepper, state: State, h: float, control: bool) -> None:
+        self.stepper, self.state, self.h, self.control = stepper, state, h, control
         self.level = 0  # the step is h / 2^level
         self.calm = 0
         self.steps = self.cuts = self.iterations = self.outputs = 0
@@ -282,13 +288,14 @@ class _Loop:
         """One step of h, in pieces if need be."""
         done = 0  # pieces of h / 2^level
         while done < 2**self.level:
-            report = self.stepper.step(self.state, self.h / 2**self.level)
+            allowed = (1.0 if self.level < MAX_ERROR_CUTS else math.inf) if self.control else None
+            report = self.stepper.step(self.state, self.h / 2**self.level, allowed)
             self.iterations += report.iterations
             self.iterations_of_last += report.iterations
             self.last_step = report.step
             if report.converged:
                 self.steps += 1
-                self.calm += 1
+                self.calm = self.calm + 1 if report.error < _EASY else 0
                 done += 1
                 while self.level and self.calm >= _CALM and done % 2 == 0:
                     self.level, done, self.calm = self.level - 1, done // 2, 0

@@ -45,7 +45,8 @@ class Work:
     matrix; the share of a line's axial stiffness that acts in compression and the most it may be [N]: 1 and inf
     outside statics; whether the matrix is asked for (0: residual alone); whether the seabed has friction.
     Writes: A (entries by slot), r (residual), s (size of the forces at each point and rotation),
-    trouble (what went wrong, by name), event (set by a commit after which accelerations jump).
+    trouble (what went wrong, by name), event (set by a commit after which accelerations jump), controlled (whether
+    local errors are looked at).
     """
 
     def __init__(self, n_point: int, n_rotation: int, n: int, n_con: int, size: int) -> None:
@@ -53,6 +54,7 @@ class Work:
         self.still = False
         self.trouble: str | None = None
         self.event = False
+        self.controlled = False
         self.water: Any = None  # fluid kinematics at the wet points, with waves and without
         self.still_water: Any = None
         self.x = np.zeros((n_point + 1, 3))

@@ -9,6 +9,7 @@ What a batch offers the system (the protocol; a part's description names its bat
     bind(slots)                 slots of those tables, in the same order
     add(work)                   add matrix entries, residual, force sizes
     begin(work, history, t)     optional: what is constant during a step
+    error(history, work)        optional: local error of the step just made over what is allowed
     start(state) -> history     optional: its memory, committed by commit(history, work) only when a
                                 step is accepted
 """
@@ -246,6 +247,14 @@ class System:
         for batch in self.batches:
             batch.add(w)
         self.constraints.add(w)
+
+    def error(self, w: Work, state: State) -> float:
+        """Local error of the step in `w` from `state`, over what is allowed: above 1 it should be made smaller."""
+        worst = 0.0
+        for k, batch in enumerate(self.batches):
+            if hasattr(batch, "error"):
+                worst = max(worst, batch.error(state.history[k], w))
+        return worst
 
     def commit(self, w: Work, state: State) -> None:
         """Let memories take in the accepted step."""

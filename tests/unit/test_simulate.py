@@ -27,7 +27,7 @@ def refusing(monkeypatch: pytest.MonkeyPatch, refuse) -> None:  # type: ignore[n
     """Make steps fail where refuse(t, h) says so, leaving the state untouched as a failed step does."""
     honest = fs.Stepper.step
 
-    def step(self, state, h):  # type: ignore[no-untyped-def]
+    def step(self, state, h, control=None):  # type: ignore[no-untyped-def]
         if refuse(state.t, h):
             return fs.StepReport(False, 12, h, 1.0, "refused by the test")
         return honest(self, state, h)
