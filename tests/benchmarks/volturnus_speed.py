@@ -27,7 +27,7 @@ import numpy as np  # noqa: E402
 from numba.core.dispatcher import Dispatcher  # noqa: E402
 
 import floatsim as fs  # noqa: E402
-from floatsim.solve.linear import LinearSolver, _solve_dense  # noqa: E402
+from floatsim.solve.linear import LinearSolver, _factor_dense, _solve_dense  # noqa: E402
 from floatsim.study.channels import Sampler  # noqa: E402
 from floatsim.study.script import load_model  # noqa: E402
 from floatsim.study.store import Writer  # noqa: E402
@@ -92,9 +92,10 @@ def border_time(n: int) -> float:
     best = np.inf
     matrix = np.random.default_rng(1).normal(size=n * n)
     for _ in range(200):
-        work, x = matrix.copy(), np.ones(n)
+        work, x, swaps = matrix.copy(), np.ones(n), np.zeros(n, np.int64)
         began = time.perf_counter()
-        _solve_dense(work, 0, n, x)
+        _factor_dense(work, 0, n, swaps, 0)
+        _solve_dense(work, 0, n, swaps, 0, x)
         best = min(best, time.perf_counter() - began)
     return best
 
