@@ -192,7 +192,7 @@ def _tilt_and_yaw(q, rates):  # type: ignore[no-untyped-def]
         w, x, y, z = -w, -x, -y, -z
     n = (2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y))
     sine = max(math.sqrt(n[0] * n[0] + n[1] * n[1]), 1e-9)  # upside down there is no axis of the tilt
-    _, f, slope = half_angle_squared(n[2], sine)  # f = -theta/sin(theta), slope = df/dn_z
+    f, slope = half_angle_squared(n[2], sine * sine)  # f = -theta/sin(theta), slope = df/dn_z
     for j in range(3):
         d = cross(unit(j), n)
         rates[0, j] = f * d[1] + slope * d[2] * n[1]

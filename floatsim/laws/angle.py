@@ -11,19 +11,18 @@ from floatsim.jit import kernel
 
 
 @kernel
-def half_angle_squared(c, s):  # type: ignore[no-untyped-def]
-    """(theta, f', f'') from cosine c and sine s >= 0 of the angle.
+def half_angle_squared(c, y):  # type: ignore[no-untyped-def]
+    """(f', f'') from cosine c and squared sine y of the angle.
 
-    Below s = 0.1 theta/s is the series of arcsin(s)/s to s^12 (1e-14), which spares the arctangent that costs as much
-    as the rest of a bent pair; below 0.02 f'' is its own series in theta (1e-11).
+    Below sin(theta) = 0.1 theta/sin(theta) is the series of arcsin(s)/s to s^12 (1e-14), which spares the arctangent
+    that costs as much as the rest of a bent pair; below 0.02 f'' is its own series (1e-11).
     """
-    if s < 0.1 and c > 0.0:
-        y = s * s
+    if y < 0.01 and c > 0.0:
         q = 1.0 + y * (1 / 6 + y * (3 / 40 + y * (5 / 112 + y * (35 / 1152 + y * (63 / 2816 + y * (231 / 13312))))))
-        theta = s * q
-        if s < 0.02:
-            x = theta * theta
-            return theta, -q, 1.0 / 3.0 + x * (2.0 / 15.0 + 2.0 / 63.0 * x)
-        return theta, -q, (1.0 - q * c) / y
+        if y < 0.0004:
+            x = y * q * q
+            return -q, 1.0 / 3.0 + x * (2.0 / 15.0 + 2.0 / 63.0 * x)
+        return -q, (1.0 - q * c) / y
+    s = math.sqrt(y)
     theta = math.atan2(s, c)
-    return theta, -theta / s, (s - theta * c) / (s * s * s)
+    return -theta / s, (s - theta * c) / (s * y)

@@ -33,26 +33,25 @@ def from_table(tables, row, theta):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def bend(k, cb, tables, row, da, db, va, vb, c, f, K):  # type: ignore[no-untyped-def]
-    """Bending between element a with d_a and element b with d_b (3-tuples), rates va and vb.
+def bend(k, cb, tables, row, ta, ia, tb, ib, va, vb, c, f, K):  # type: ignore[no-untyped-def]
+    """Bending between element a of direction t_a and length 1/i_a and element b, rates v_a and v_b of d_a and d_b.
 
     k [N m], cb [N m s]; row >= 0: a row of the moment tables instead of k. f (6): gradient by (d_a, d_b);
     K (6, 6): c[2] times its derivative by (d_a, d_b) plus c[1] times that by their rates. Returns the cosine.
     """
-    la, lb = math.sqrt(dot(da, da)), math.sqrt(dot(db, db))
-    ia, ib = 1.0 / la, 1.0 / lb
-    ta, tb = times(ia, da), times(ib, db)
     co = dot(ta, tb)
     sx = cross(ta, tb)
-    sine = math.sqrt(dot(sx, sx))
-    theta, f1, f2 = half_angle_squared(co, sine)
+    y = dot(sx, sx)  # squared sine
+    f1, f2 = half_angle_squared(co, y)
     h1, h2 = k * f1, k * f2  # dU/dcos, d2U/dcos2
     if row >= 0:
+        sine = math.sqrt(y)
+        theta = math.atan2(sine, co)
         M, slope = from_table(tables, row, theta)
         h1, h2 = slope * f1, slope * f2
         if theta > tables[row, 0, 1]:  # beyond the first stretch M is not proportional to theta
             h1 = -M / sine
-            h2 = (slope * sine - M * co) / (sine * sine * sine)
+            h2 = (slope * sine - M * co) / (sine * y)
     ga = times(ia, (tb[0] - co * ta[0], tb[1] - co * ta[1], tb[2] - co * ta[2]))  # dcos/dd_a
     gb = times(ib, (ta[0] - co * tb[0], ta[1] - co * tb[1], ta[2] - co * tb[2]))
     cK, y2 = c[2], c[2] * h2
@@ -69,17 +68,22 @@ def bend(k, cb, tables, row, da, db, va, vb, c, f, K):  # type: ignore[no-untype
     if c[6] == 0.0:
         return co
     y1 = cK * h1
+    za, zb, zab = y1 * ia, y1 * ib, y1 * ia * ib
+    ca, cb2 = za * co * ia, zb * co * ib
     for m in range(3):
         for n in range(m + 1):
-            e = 1.0 if m == n else 0.0
-            aa = -ia * (ta[m] * ga[n] + ga[m] * ta[n] + co * ia * (e - ta[m] * ta[n]))
-            bb = -ib * (tb[m] * gb[n] + gb[m] * tb[n] + co * ib * (e - tb[m] * tb[n]))
-            K[m, n] = K[n, m] = y2 * ga[m] * ga[n] + y1 * aa
-            K[m + 3, n + 3] = K[n + 3, m + 3] = y2 * gb[m] * gb[n] + y1 * bb
+            aa = y2 * ga[m] * ga[n] - za * (ta[m] * ga[n] + ga[m] * ta[n]) + ca * ta[m] * ta[n]
+            bb = y2 * gb[m] * gb[n] - zb * (tb[m] * gb[n] + gb[m] * tb[n]) + cb2 * tb[m] * tb[n]
+            if m == n:
+                aa -= ca
+                bb -= cb2
+            K[m, n] = K[n, m] = aa
+            K[m + 3, n + 3] = K[n + 3, m + 3] = bb
         for n in range(3):
-            e = 1.0 if m == n else 0.0
-            ab = ia * (ib * (e - tb[m] * tb[n]) - ta[m] * gb[n])
-            K[m, n + 3] = K[n + 3, m] = y2 * ga[m] * gb[n] + y1 * ab
+            ab = y2 * ga[m] * gb[n] - zab * tb[m] * tb[n] - za * ta[m] * gb[n]
+            if m == n:
+                ab += zab
+            K[m, n + 3] = K[n + 3, m] = ab
     if cb > 0.0:  # the rate of the cosine depends on the configuration: g (H v)^T
         _rate_tangent(cK * cb / D, ia, ib, co, ta, tb, ga, gb, va, vb, K)
     return co
@@ -105,21 +109,30 @@ def _rate_tangent(y, ia, ib, co, ta, tb, ga, gb, va, vb, K):  # type: ignore[no-
 
 
 @kernel
-def line_bending(x, v, c, pairs, B, tables, slots, direct, step, f, K, N, A, r, s):  # type: ignore[no-untyped-def]
+def line_bending(x, v, c, pairs, B, tables, slots, direct, step, f, K, A, r, s):  # type: ignore[no-untyped-def]
     """Bending at every node between two elements; returns the index of a folded pair, or -1.
 
-    pairs (n, 5): points of element a and of element b, row of the moment tables or -1; B (2, n): k [N m], damping
+    pairs (n, 5): points of element a and of element b, row of the moment tables or -1; B (n, 2): k [N m], damping
     [N m s]. slots (n, 144) into A; where direct >= 0, the nine unknowns of the three points stand in a band: entry
-    (m, n) at direct + m step + n. Scratch: f (6), K (6, 6), N (9, 9).
+    (m, n) at direct + m step + n. Scratch: f (6), K (6, 6).
     """
-    folded = -1
+    folded = last0 = last1 = -1
+    tb, ib, vb = (0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0)
     for e in range(pairs.shape[0]):
-        if B[0, e] == 0.0 and B[1, e] == 0.0:
+        k, damping = B[e, 0], B[e, 1]
+        if k == 0.0 and damping == 0.0:
             continue
         i0, i1, j0, j1 = pairs[e, 0], pairs[e, 1], pairs[e, 2], pairs[e, 3]
-        da, db = minus(vec(x, i1), vec(x, i0)), minus(vec(x, j1), vec(x, j0))
-        va, vb = minus(at(v, 3 * i1), at(v, 3 * i0)), minus(at(v, 3 * j1), at(v, 3 * j0))
-        co = bend(B[0, e], B[1, e], tables, pairs[e, 4], da, db, va, vb, c, f, K)
+        ta, ia, va = tb, ib, vb  # along a line the second element of a pair is the first of the next
+        if i0 != last0 or i1 != last1:
+            d = minus(vec(x, i1), vec(x, i0))
+            ia = 1.0 / math.sqrt(dot(d, d))
+            ta, va = times(ia, d), minus(at(v, 3 * i1), at(v, 3 * i0))
+        d = minus(vec(x, j1), vec(x, j0))
+        ib = 1.0 / math.sqrt(dot(d, d))
+        tb, vb = times(ib, d), minus(at(v, 3 * j1), at(v, 3 * j0))
+        last0, last1 = j0, j1
+        co = bend(k, damping, tables, pairs[e, 4], ta, ia, tb, ib, va, vb, c, f, K)
         if co < _FOLDED:
             folded = e
         for m in range(3):
@@ -134,12 +147,22 @@ def line_bending(x, v, c, pairs, B, tables, slots, direct, step, f, K, N, A, r, 
         s[j1] += size
         if c[6] == 0.0:
             continue
-        if direct[e] >= 0:
-            _three_nodes(K, N)
-            o = direct[e]
-            for m in range(9):
-                for n in range(9):
-                    A[o + m * step + n] += N[m, n]
+        o = direct[e]
+        if o >= 0:  # from derivatives by d_a = x1 - x0 and d_b = x2 - x1 to those by x0, x1, x2
+            for m in range(3):
+                p0 = o + m * step
+                p1, p2 = p0 + 3 * step, p0 + 6 * step
+                for n in range(3):
+                    aa, ab, ba, bb = K[m, n], K[m, n + 3], K[m + 3, n], K[m + 3, n + 3]
+                    A[p0 + n] += aa
+                    A[p0 + n + 3] += ab - aa
+                    A[p0 + n + 6] -= ab
+                    A[p1 + n] += ba - aa
+                    A[p1 + n + 3] += aa - ab - ba + bb
+                    A[p1 + n + 6] += ab - bb
+                    A[p2 + n] -= ba
+                    A[p2 + n + 3] += ba - bb
+                    A[p2 + n + 6] += bb
         else:
             for bm in range(4):
                 for bn in range(4):
@@ -149,23 +172,6 @@ def line_bending(x, v, c, pairs, B, tables, slots, direct, step, f, K, N, A, r, 
                             y = K[3 * (bm // 2) + m, 3 * (bn // 2) + n]
                             A[slots[e, 12 * (3 * bm + m) + 3 * bn + n]] += sign * y
     return folded
-
-
-@kernel
-def _three_nodes(K, N):  # type: ignore[no-untyped-def]
-    """From derivatives by d_a = x1 - x0 and d_b = x2 - x1 to those by x0, x1, x2."""
-    for m in range(3):
-        for n in range(3):
-            aa, ab, ba, bb = K[m, n], K[m, n + 3], K[m + 3, n], K[m + 3, n + 3]
-            N[m, n] = aa
-            N[m, n + 3] = ab - aa
-            N[m, n + 6] = -ab
-            N[m + 3, n] = ba - aa
-            N[m + 3, n + 3] = aa - ab - ba + bb
-            N[m + 3, n + 6] = ab - bb
-            N[m + 6, n] = -ba
-            N[m + 6, n + 3] = ba - bb
-            N[m + 6, n + 6] = bb
 
 
 @kernel
@@ -179,9 +185,9 @@ def line_angles(x, pairs, angle):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def line_moments(angle, pairs, k, tables, moment):  # type: ignore[no-untyped-def]
-    """Bending moment [N m] from the angles of all pairs; k (n)."""
+def line_moments(angle, pairs, B, tables, moment):  # type: ignore[no-untyped-def]
+    """Bending moment [N m] from the angles of all pairs; B (n, 2)."""
     for e in range(pairs.shape[0]):
-        moment[e] = k[e] * angle[e]
-        if pairs[e, 4] >= 0 and k[e] > 0.0:
+        moment[e] = B[e, 0] * angle[e]
+        if pairs[e, 4] >= 0 and B[e, 0] > 0.0:
             moment[e], _ = from_table(tables, pairs[e, 4], angle[e])

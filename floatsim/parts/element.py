@@ -34,9 +34,9 @@ from floatsim.laws.engineering import engineering
 from floatsim.laws.green import green
 from floatsim.sea.seabed import bed_height, friction, in_plane, touch
 
-# rows of the element parameter array
-L0, EA, CA, MASS, AREA, CDN, CDT, CAN, CAT, DIA, LAW, LIVE, MU_A, MU_N = range(14)
-ROWS = 14
+# columns of the element parameters; masses, drag and bed area are those of half an element in full contact with water
+L0, EA, CA, DRY, WATER, ADDED_N, ADDED_T, DRAG_N, DRAG_T, DIA, BED, NOISE, LAW, LIVE, MU_A, MU_N = range(16)
+COLUMNS = 16
 GREEN, ENGINEERING, SPECIAL = range(3)  # values of LAW
 RHO, GRAVITY = range(2)  # entries of the surroundings
 
@@ -75,14 +75,16 @@ def wet_share(z1, z2, h):  # type: ignore[no-untyped-def]
 @kernel
 def axial(P, special, e, s, rate, cap, push):  # type: ignore[no-untyped-def]
     """(T, dT/ds, dT/drate) of element e. special (3, n): results of laws that ran before. cap, push: see `Work`."""
-    law = P[LAW, e]
+    law = P[e, LAW]
     if law == GREEN:
-        T, Ts, Tr = green(P[EA, e], P[CA, e], s, rate)
+        T, Ts, Tr = green(P[e, EA], P[e, CA], s, rate)
     elif law == ENGINEERING:
-        T, Ts, Tr = engineering(P[EA, e], P[CA, e], s, rate)
+        T, Ts, Tr = engineering(P[e, EA], P[e, CA], s, rate)
     else:
         T, Ts, Tr = special[0, e], special[1, e], special[2, e]
-    part = min(1.0, cap / P[EA, e]) * P[LIVE, e]
+    part = P[e, LIVE]
+    if cap < P[e, EA]:
+        part *= cap / P[e, EA]
     if s < 1.0:
         part *= push
     return part * T, part * Ts, part * Tr
@@ -95,8 +97,8 @@ def stretches(x, v, nodes, P, s, rate):  # type: ignore[no-untyped-def]
         i, j = nodes[e, 0], nodes[e, 1]
         d = minus(vec(x, j), vec(x, i))
         l = math.sqrt(dot(d, d))
-        s[e] = l / P[L0, e]
-        rate[e] = dot(d, minus(at(v, 3 * j), at(v, 3 * i))) / (l * P[L0, e])
+        s[e] = l / P[e, L0]
+        rate[e] = dot(d, minus(at(v, 3 * j), at(v, 3 * i))) / (l * P[e, L0])
 
 
 @kernel
@@ -111,12 +113,12 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
     """Everything but bending of every element.
 
     x (n_point, 3), v and a (flat), u and du (n_point, 3) velocity and acceleration of the fluid, eta (n_point) height
-    of the surface; c: see `Work`; nodes (n_el, 2); P (ROWS, n_el); bed, grid: sea/seabed.py; stick (2 n_el, 6);
+    of the surface; c: see `Work`; nodes (n_el, 2); P (n_el, COLUMNS); bed, grid: sea/seabed.py; stick (2 n_el, 6);
     slots (n_el, 36) into A; where direct >= 0 the six unknowns stand in a band: entry (m, n) at direct + m step + n;
     Ke (6, 6) scratch. Adds to A, residual r and force scale s.
     """
     cM, cC, cK, tangent = c[0], c[1], c[2], c[6] != 0.0
-    rho, g = env[RHO], env[GRAVITY]
+    g = env[GRAVITY]
     plane, slope_x, slope_y, stiffness, damping, slip = bed[0], bed[1], bed[2], bed[3], bed[4], bed[5]
     uneven, rough = grid.shape[0] > 0, c[7] != 0.0
     for e in range(nodes.shape[0]):
@@ -125,8 +127,7 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
         d = minus(x2, x1)
         l = math.sqrt(dot(d, d))
         t = times(1.0 / l, d)
-        l0 = P[L0, e]
-        half = 0.5 * l0
+        l0 = P[e, L0]
         dv = minus(at(v, 3 * j), at(v, 3 * i))
         along = dot(t, dv)
         T, Ts, Tr = axial(P, special, e, l / l0, along / l0, c[5], c[4])
@@ -147,15 +148,11 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
                     Ke[m, n + 3] = -k
                     Ke[m + 3, n] = -k
                     Ke[m + 3, n + 3] = k
-        phi, phi1, phi2 = wet_share(x1[2] - eta[i], x2[2] - eta[j], P[DIA, e])
-        mf = rho * P[AREA, e] * half  # mass of water displaced by half an element
-        dry = P[MASS, e] * half
-        mn, mt = mf * P[CAN, e], mf * P[CAT, e]  # added mass of half a fully wet element
-        dm = mt - mn
-        cn = 0.5 * rho * P[DIA, e] * P[CDN, e] * half
-        ct = 0.5 * math.pi * rho * P[DIA, e] * P[CDT, e] * half
+        phi, phi1, phi2 = wet_share(x1[2] - eta[i], x2[2] - eta[j], P[e, DIA])
+        dry, mf, mn, cn, ct = P[e, DRY], P[e, WATER], P[e, ADDED_N], P[e, DRAG_N], P[e, DRAG_T]
+        dm = P[e, ADDED_T] - mn
         # rounding of the coordinates, seen through EA: no residual gets below 1e-8 of this
-        size = abs(T) + dry * g + P[EA, e] * 1e-7 * (abs(x2[0]) + abs(x2[1]) + abs(x2[2])) / l0
+        size = abs(T) + dry * g + P[e, NOISE] * (abs(x2[0]) + abs(x2[1]) + abs(x2[2]))
         s[i] += size
         s[j] += size
         for k in range(2):
@@ -210,7 +207,7 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
                 z, zx, zy = bed_height(bed, grid, here[0], here[1])
             if here[2] >= z:
                 continue
-            lift, up, stiff, damp = touch(z, zx, zy, stiffness, damping, here, vel, P[DIA, e] * half)
+            lift, up, stiff, damp = touch(z, zx, zy, stiffness, damping, here, vel, P[e, BED])
             if lift == 0.0:  # a bed that would pull lets go
                 continue
             kn = cK * stiff + cC * damp
@@ -219,7 +216,7 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
                 r[3 * p + m] -= lift * up[m]
                 for n in range(3):
                     Ke[b + m, b + n] += kn * up[m] * up[n]
-            mu_a, mu_n = P[MU_A, e], P[MU_N, e]
+            mu_a, mu_n = P[e, MU_A], P[e, MU_N]
             if not rough or mu_a + mu_n == 0.0:
                 continue
             h = 2 * e + k
@@ -277,7 +274,7 @@ def drag_stick_points(x, v, nodes, P, bed, grid, stick):  # type: ignore[no-unty
             p, o = nodes[e, k], 2 * e + k
             here = vec(x, p)
             z, zx, zy = bed_height(bed, grid, here[0], here[1])
-            lift, normal, _, _ = touch(z, zx, zy, bed[3], bed[4], here, at(v, 3 * p), P[DIA, e] * 0.5 * P[L0, e])
+            lift, normal, _, _ = touch(z, zx, zy, bed[3], bed[4], here, at(v, 3 * p), P[e, BED])
             u = in_plane(normal, (here[0] - stick[o, 0], here[1] - stick[o, 1], here[2] - stick[o, 2]))
             size = math.sqrt(dot(u, u))
             left = 0.0

@@ -7,6 +7,7 @@ the fixed direction in place of element a, d_a = R e, which turns with the body.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from floatsim.description import Vector3
 from floatsim.errors import ModelError
-from floatsim.frames import Array, at, cross, minus, plus, rotate, times, unit, vec
+from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
 from floatsim.laws.moment_table import pad_tables, pair_table
 from floatsim.parts.bending import bend
@@ -51,9 +52,11 @@ def end_bending(x, R, v, c, where, E, tables, slots, rates, f, Kb, Cb, K, A, r, 
         va = cross(w, da)
         vb = minus(at(v, 3 * p1), at(v, 3 * p0))
         db = minus(vec(x, p1), vec(x, p0))
+        ib = 1.0 / math.sqrt(dot(db, db))
+        tb = times(ib, db)
         if E[e, 1] > 0.0:  # derivatives by the rates alone, for the turning of the direction
-            bend(E[e, 0], E[e, 1], tables, where[e, 3], da, db, va, vb, rates, f, Cb)
-        bend(E[e, 0], E[e, 1], tables, where[e, 3], da, db, va, vb, c, f, Kb)
+            bend(E[e, 0], E[e, 1], tables, where[e, 3], da, 1.0, tb, ib, va, vb, rates, f, Cb)
+        bend(E[e, 0], E[e, 1], tables, where[e, 3], da, 1.0, tb, ib, va, vb, c, f, Kb)
         fa = (f[0], f[1], f[2])
         m = cross(da, fa)
         for i in range(3):

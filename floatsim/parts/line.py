@@ -23,11 +23,12 @@ from floatsim.laws.moment_table import MomentTable, pad_tables, pair_table
 from floatsim.parts.attachment import LineLoad
 from floatsim.parts.bending import line_angles, line_bending, line_moments
 from floatsim.parts.element import (
+    CA,
+    COLUMNS,
     ENGINEERING,
     GREEN,
     LAW,
     LIVE,
-    MASS,
     MU_A,
     MU_N,
     SPECIAL,
@@ -172,27 +173,41 @@ class Line(Part):
         return found
 
     @cached_property
-    def element_properties(self) -> Array:
-        """Rows of parts/element.py for every element, shape (ROWS, elements); friction and laws are the batch's."""
-        columns = [(l0, c.stiffness, c.damping(l0), c.mass_per_length, c.area, c.drag_normal, c.drag_tangential,
-                    c.added_mass_normal, c.added_mass_tangential, c.diameter, GREEN, 1.0, 0.0, 0.0)
-                   for l0, c in zip(self.element_lengths, self.element_sections)]  # fmt: skip
-        P = np.array(columns).T
-        area, diameter, mass = P[4].copy(), P[9].copy(), P[MASS].copy()
+    def element_sizes(self) -> Array:
+        """Mass per length [kg/m], displaced area [m2] and diameter [m] of every element with its stiffeners,
+        shape (elements, 3)."""
+        out = np.array([(c.mass_per_length, c.area, c.diameter) for c in self.element_sections])
         for e, _, over in self._under_stiffeners():
+            section = self.element_sections[e]
             for stiffener, d in over:
-                mass[e] += 0.5 * np.mean(stiffener.at("mass_per_length", d))
+                out[e, 0] += 0.5 * np.mean(stiffener.at("mass_per_length", d))
                 if stiffener.diameter is not None:
-                    outer = np.maximum(stiffener.at("diameter", d), P[9, e])
-                    area[e] += 0.5 * np.mean(0.25 * np.pi * outer**2 - P[4, e])
-                    diameter[e] += 0.5 * np.mean(outer - P[9, e])
-        P[4], P[9], P[MASS] = area, diameter, mass
-        return P
+                    outer = np.maximum(stiffener.at("diameter", d), section.diameter)
+                    out[e, 1] += 0.5 * np.mean(0.25 * np.pi * outer**2 - section.area)
+                    out[e, 2] += 0.5 * np.mean(outer - section.diameter)
+        return out
 
     def wet_weight(self, density: float, gravity: float) -> Array:
         """Weight in water per length of every element [N/m], shape (elements,)."""
-        P = self.element_properties
-        return np.asarray((P[MASS] - density * P[4]) * gravity)
+        mass, area, _ = self.element_sizes.T
+        return np.asarray((mass - density * area) * gravity)
+
+    def element_parameters(self, density: float, friction: tuple[float, float]) -> Array:
+        """Columns of parts/element.py, shape (elements, COLUMNS), with the bed's friction (along, across)."""
+        out = np.zeros((self.elements, COLUMNS))
+        for e, (l0, c) in enumerate(zip(self.element_lengths, self.element_sections, strict=True)):
+            mass, area, d = self.element_sizes[e]
+            half = 0.5 * l0
+            water = density * area * half
+            law = GREEN if c.axial_law is None else ENGINEERING if isinstance(c.axial_law, Engineering) else SPECIAL
+            along, across = c.seabed_friction or friction
+            out[e] = (
+                l0, c.stiffness, c.damping(l0), mass * half, water, c.added_mass_normal * water,
+                c.added_mass_tangential * water, 0.5 * density * d * c.drag_normal * half,
+                0.5 * np.pi * density * d * c.drag_tangential * half, d, d * half, 1e-7 * c.stiffness / l0, law, 1.0,
+                along, across,
+            )  # fmt: skip
+        return out
 
     # -- points -------------------------------------------------------------------------------
 
@@ -294,16 +309,17 @@ class LineBatch:
             start = p0 + (1 if line.form == "shared" else 2) * np.arange(line.elements)
             nodes.append(np.stack([start, start + 1], axis=1))
         self.nodes = np.ascontiguousarray(np.concatenate(nodes), dtype=np.int64)
-        self.P = np.ascontiguousarray(np.concatenate([line.element_properties for line in parts], axis=1))
+        friction = sea.seabed.coefficients()
+        self.P = np.concatenate([line.element_parameters(sea.density, friction) for line in parts])
         self._bending(nodes)
-        self._laws_and_friction(sea)
+        self._laws()
         self._breaks()
         self.env = np.array([sea.density, gravity])
         self.bed, self.grid = sea.seabed.parameters(sea.depth)
         self.runs = [(p0 + 1, line.elements - 1) for line, p0 in zip(parts, first_point, strict=True)
                      if line.form == "shared" and line.elements > 1]  # fmt: skip
         self.wet_points = np.unique(self.nodes)
-        self._Ke, self._K, self._N, self._f = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((9, 9)), np.zeros(6)
+        self._Ke, self._K, self._f = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros(6)
         n = len(self.nodes)
         self._s, self._rate, self.special = np.zeros(n), np.zeros(n), np.zeros((3, n))
         self._stick = np.zeros((2 * n, 6))
@@ -331,29 +347,23 @@ class LineBatch:
                 pairs.append((*own[e], *own[e + 1], row))
                 stiffness.append((k, damping))
         self.pairs = np.array(pairs, dtype=np.int64).reshape(len(pairs), 5)
-        self.B = np.array(stiffness, dtype=float).reshape(len(pairs), 2).T.copy()
+        self.B = np.array(stiffness, dtype=float).reshape(len(pairs), 2)
         self._whole = self.B.copy()  # B is emptied where a line breaks
-        self.k = self._whole[0]
+        self.k = np.ascontiguousarray(self._whole[:, 0])
         self.tables = pad_tables(tables)
 
-    def _laws_and_friction(self, sea: Any) -> None:
+    def _laws(self) -> None:
+        """Laws that run over their elements before the element kernel does."""
         sections = [section for line in self.parts for section in line.element_sections]
         groups: dict[int, list[int]] = {}
-        for e, section in enumerate(sections):
-            law = section.axial_law
-            if isinstance(law, Engineering):
-                self.P[LAW, e] = ENGINEERING
-            elif law is not None:
-                self.P[LAW, e] = SPECIAL
-                groups.setdefault(id(law), []).append(e)
-            both = section.seabed_friction or sea.seabed.coefficients()
-            self.P[MU_A, e], self.P[MU_N, e] = both
+        for e in np.flatnonzero(self.P[:, LAW] == SPECIAL):
+            groups.setdefault(id(sections[e].axial_law), []).append(int(e))
         self.laws = []
         for members in groups.values():
             index = np.array(members, dtype=np.int64)
             law = sections[members[0]].axial_law
-            self.laws.append((law, index, law.bind(np.ascontiguousarray(self.P[2, index])), np.zeros((3, len(index)))))
-        self.rough = bool(self.P[MU_A : MU_N + 1].any())
+            self.laws.append((law, index, law.bind(np.ascontiguousarray(self.P[index, CA])), np.zeros((3, len(index)))))
+        self.rough = bool(self.P[:, MU_A : MU_N + 1].any())
 
     def _breaks(self) -> None:
         found = [(self.elements_of[k].start + line.element_at(item.at), k, item)
@@ -409,8 +419,8 @@ class LineBatch:
         self._stick = history["stick"]
         self._old = history["laws"]
         for e, pairs, broken in zip(self.break_element, self.break_pairs, history["broken"], strict=True):
-            self.P[LIVE, e] = 0.0 if broken else 1.0
-            self.B[:, pairs] = 0.0 if broken else self._whole[:, pairs]
+            self.P[e, LIVE] = 0.0 if broken else 1.0
+            self.B[pairs] = 0.0 if broken else self._whole[pairs]
 
     def add(self, w: Any) -> None:
         if self.laws:
@@ -420,7 +430,7 @@ class LineBatch:
                       w.s)  # fmt: skip
         if len(self._bend_slots):
             folded = line_bending(w.x, w.v, w.c, self.pairs, self.B, self.tables, self._bend_slots, self._bend_direct,
-                                  self._bend_step, self._f, self._K, self._N, w.A, w.r, w.s)  # fmt: skip
+                                  self._bend_step, self._f, self._K, w.A, w.r, w.s)  # fmt: skip
             if folded >= 0:
                 w.trouble = f"line '{self.name_at(folded)}' is folded back on itself"
 
@@ -490,7 +500,7 @@ class LineBatch:
     def moments(self, angle: Array) -> Array:
         """Bending moments [N m] at all inner nodes from their angles, shape (n_pairs of all lines,)."""
         out = np.empty(len(self.pairs))
-        line_moments(angle, self.pairs, self.B[0], self.tables, out)
+        line_moments(angle, self.pairs, self.B, self.tables, out)
         return out
 
 

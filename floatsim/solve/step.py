@@ -98,7 +98,7 @@ def norms(r, s, n_point, n_dof, cG, out):  # type: ignore[no-untyped-def]
 
 @kernel
 def advance(d, y, lam, cG, n_point, out):  # type: ignore[no-untyped-def]
-    """Take the correction d into the increment y and the multipliers; out: largest |d| and |y| of points, of rotations."""
+    """Take d into the increment y and the multipliers; out: largest |d| and |y| of points, of rotations."""
     for m in range(4):
         out[m] = 0.0
     n = y.shape[0]

@@ -19,10 +19,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mechanics import DRY, displace, free_unknowns, matrix, residual
+from mechanics import DRY as AIR
+from mechanics import displace, free_unknowns, matrix, residual
 
 import floatsim as fs
-from floatsim.parts.element import AREA, CA, CAN, CAT, CDN, CDT, EA, MASS
+from floatsim.parts.element import ADDED_N, ADDED_T, CA, DRAG_N, DRAG_T, DRY, EA, WATER
 from floatsim.parts.end_bending import EndBendingBatch
 from floatsim.parts.line import LineBatch
 
@@ -36,7 +37,7 @@ def section(**more):
     return fs.Section(**values)
 
 
-def line(elements=4, z=(5.0, 9.0), sea=DRY, gravity=9.81, joints=(), form="shared", **more):
+def line(elements=4, z=(5.0, 9.0), sea=AIR, gravity=9.81, joints=(), form="shared", **more):
     """A line whose nodes the random states then move about."""
     part = fs.Line(name="line", section=section(**more), length=8.0, elements=elements, form=form, taut=True,
                    end_a_position=(0.0, 0.0, z[0]), end_b_position=(6.0, 1.0, z[1]))  # fmt: skip
@@ -74,7 +75,7 @@ def two_bodies():
 
 
 def bodies(joints=(), parts=()):
-    return fs.Model(parts=[*two_bodies(), *parts], joints=joints, sea=DRY)
+    return fs.Model(parts=[*two_bodies(), *parts], joints=joints, sea=AIR)
 
 
 def clamped(to, **more):
@@ -82,14 +83,14 @@ def clamped(to, **more):
     other = [] if isinstance(to, tuple) else [two_bodies()[0]]
     b = (0.4, -0.3, 5.6) if isinstance(to, tuple) else to
     joints = [fs.Clamp(a="line.end_a", b=b, direction=(1.0, 0.2, -0.3)), fs.Ball(a="line.end_b", b=(3, 0, 6))]
-    return fs.Model(parts=[*other, part], joints=joints, sea=DRY, gravity=0.0)
+    return fs.Model(parts=[*other, part], joints=joints, sea=AIR, gravity=0.0)
 
 
 def prescribed():
     rate = np.array([0.3, -0.2, 0.1, 0.5, 0.4, -0.3])
     motion = fs.Motion(lambda t: np.array([0, 0, 5, 0, 0, 0]) + rate * np.sin(t), lambda t: rate * np.cos(t),
                        lambda t: -rate * np.sin(t))  # fmt: skip
-    return fs.Model(parts=[two_bodies()[0]], joints=[fs.Prescribed(a="one", motion=motion)], sea=DRY)
+    return fs.Model(parts=[two_bodies()[0]], joints=[fs.Prescribed(a="one", motion=motion)], sea=AIR)
 
 
 def floater():
@@ -136,7 +137,7 @@ SYSTEMS = {
     "line, all of it": (lambda: line(z=(-20, 1), sea=NEAR, EI=1e3, bending_damping=1e2, axial_damping=1e3, **WET),
                         None, {}),
     "bodies": (bodies, None, {}),
-    "point mass": (lambda: fs.Model(parts=[fs.PointMass(name="bob", mass=3.0, position=(0, 0, 5))], sea=DRY), None, {}),
+    "point mass": (lambda: fs.Model(parts=[fs.PointMass(name="bob", mass=3.0, position=(0, 0, 5))], sea=AIR), None, {}),
     "spring": (lambda: bodies(parts=[fs.Spring(name="spring", a="one.p", b="two.p", stiffness=400.0, damping=30.0,
                                                free_length=0.7)]), None, {}),
     "spring to the ground": (lambda: bodies(parts=[fs.Spring(name="spring", a="one.p", b=(1, 2, 3), stiffness=400.0,
@@ -151,20 +152,20 @@ SYSTEMS = {
     "prescribed": (prescribed, None, {}),
     "floater": (floater, None, {"big": True}),
 }  # fmt: skip
-ROWS = {"EA": EA, "CA": CA, "MASS": MASS}
-HYDRO = (AREA, CDN, CDT, CAN, CAT)
+ROWS = {"EA": EA, "CA": CA, "MASS": DRY}
+HYDRO = (WATER, DRAG_N, DRAG_T, ADDED_N, ADDED_T)
 
 
 def keep_alone(system, what):
     """Set every property of the lines but `what` to zero."""
     for batch in system.batches:
         if isinstance(batch, LineBatch):
-            for row in (EA, CA, MASS, *HYDRO):
+            for row in (EA, CA, DRY, *HYDRO):
                 kept = {"HYDRO": HYDRO, "EA+CA": (EA, CA)}.get(what, (ROWS.get(what),))
                 if row not in kept:
-                    batch.P[row] = 0.0
-            batch.B[0] *= what == "EI"
-            batch.B[1] *= what == "CB"
+                    batch.P[:, row] = 0.0
+            batch.B[:, 0] *= what == "EI"
+            batch.B[:, 1] *= what == "CB"
         if isinstance(batch, EndBendingBatch):
             batch.E[:, 0] *= what == "EI"
             batch.E[:, 1] *= what == "CB"
@@ -292,7 +293,7 @@ def test_cost_of_what_is_left_out(turn, sprung, record):
                    points={"pivot": (0, -1, 0), "eye": (0, 1, 0)})  # fmt: skip
     spring = fs.Spring(name="spring", a="top.eye", b=(3, 3, 9), stiffness=2e3, free_length=1.0)
     parts = [body, spring] if sprung else [body]
-    system = fs.assemble(fs.Model(parts=parts, joints=[fs.Ball(a="top.pivot", b=(0, 0, 5))], sea=DRY))
+    system = fs.assemble(fs.Model(parts=parts, joints=[fs.Ball(a="top.pivot", b=(0, 0, 5))], sea=AIR))
     state = system.initial_state()
     state.v[6:9] = (6.0, 3.0, 9.0)
     state.v[:3] = np.cross(state.v[6:9], (0, 1, 0))
