@@ -35,6 +35,7 @@ from floatsim.solve.static import StaticReport, solve_static
 from floatsim.solve.step import Stepper, StepReport, step
 from floatsim.study.lazy_wave import diameter_from_weights, section_lengths, sizing
 from floatsim.study.moordyn import MoorDynImport, read_moordyn
+from floatsim.study.ranges import RangeGraph, range_graph
 from floatsim.study.release import DecayTest, decay_test
 from floatsim.study.simulate import Run, simulate
 from floatsim.system.state import State
@@ -47,8 +48,8 @@ __all__ = [
     "diameter_from_weights", "Engineering", "Expected", "FloatsimError", "generalised_alpha", "hht", "HydroDatabase",
     "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion",
     "natural_modes", "newmark", "Nodes", "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow", "PowerLaw",
-    "Prescribed", "read_moordyn", "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section",
-    "section_lengths", "simulate", "sizing", "solve_static", "SolveFailed", "Spring", "State", "StaticDynamic",
-    "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TensionTable", "ThreeCircles",
-    "WaveComponents", "Weld",
+    "Prescribed", "range_graph", "RangeGraph", "read_moordyn", "read_wamit", "RegularWave", "Run", "Scheme", "Sea",
+    "Seabed", "Section", "section_lengths", "simulate", "sizing", "solve_static", "SolveFailed", "Spring", "State",
+    "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TensionTable",
+    "ThreeCircles", "WaveComponents", "Weld",
 ]  # fmt: skip

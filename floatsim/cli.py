@@ -182,6 +182,7 @@ def static(
     _writable(output)
     system, attributes = _load(script, p, command="static")
     state, report = floatsim.solve_static(system)
+    attributes = {"title": system.model.name, "water_depth": system.model.sea.depth, **attributes}
     if output is not None:
         write_state(system, state, output, attributes)
     console = _console()
@@ -277,12 +278,22 @@ def run(
 def plot(
     file: Annotated[str, typer.Argument(metavar="OUT.nc", help="Result file.")],
     output: Annotated[str | None, typer.Option("-o", help="PNG file; default: beside the results.")] = None,
+    line: Annotated[str | None, typer.Option(help="Draw this line only, with all that is known along it.")] = None,
+    between: Annotated[
+        tuple[float, float] | None, typer.Option("--range", help="Draw the run between START and END [s].",
+                                                 metavar="START END")
+    ] = None,
 ) -> None:
-    """Draw motions, tensions and solver history of a result file."""
+    """Draw motions, lines and solver history of a result file.
+
+    Lines are drawn over the seabed and along their length; runs show the mean with a band from the smallest to the
+    largest value.
+    """
     from floatsim.study.plot import plot_file
 
     target = output or str(Path(file).with_suffix(".png"))
-    plot_file(file, target)
+    start, end = between or (None, None)
+    plot_file(file, target, line, start, end)
     typer.echo(f"wrote {target}")
 
 

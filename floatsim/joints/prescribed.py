@@ -38,6 +38,7 @@ class Motion:
             if not callable(function):
                 raise ModelError(f"Motion: {name}: got {function!r}; must be a function of time (or use from_series)")
         self._functions = (position, velocity, acceleration)
+        self._last: tuple[float, Any] = (math.nan, None)  # a body's joint asks four times for the same instant
         self._ends = np.inf  # end of a recording that ends in motion
         first = _values(position, "position", 0.0)
         if first.shape not in ((3,), (6,)):
@@ -99,14 +100,23 @@ class Motion:
                         f"{slope.round(6).tolist()}; the three functions must belong together"
                     )
 
-    def _columns(self, t: float) -> list[Array]:
+    def _columns(self, t: float) -> Array:
         if t > self._ends + 1e-6:
             raise ModelError(
                 f"Motion.from_series: the recording ends at {self._ends:g} s while still moving, but the run goes on; "
                 "end the run earlier, or let the recording come to rest"
             )
-        names = ("position", "velocity", "acceleration")
-        return [_values(f, name, t) for f, name in zip(self._functions, names, strict=True)]
+        if t != self._last[0]:
+            try:
+                rows = np.array([f(t) for f in self._functions], dtype=float)
+                good = rows.shape == (3, self.columns) and math.isfinite(float(rows.sum()))
+            except Exception:  # said below, with the name of the function
+                good = False
+            if not good:
+                names = ("position", "velocity", "acceleration")
+                rows = np.array([_values(f, name, t) for f, name in zip(self._functions, names, strict=True)])
+            self._last = (t, rows)
+        return self._last[1]
 
     def translation(self, t: float) -> tuple[Array, Array, Array]:
         """Position [m], velocity and acceleration of the point, world axes."""

@@ -172,22 +172,3 @@ def line_bending(x, v, c, pairs, B, tables, slots, direct, step, f, K, A, r, s):
                             y = K[3 * (bm // 2) + m, 3 * (bn // 2) + n]
                             A[slots[e, 12 * (3 * bm + m) + 3 * bn + n]] += sign * y
     return folded
-
-
-@kernel
-def line_angles(x, pairs, angle):  # type: ignore[no-untyped-def]
-    """Angle [rad] between the two elements of every pair."""
-    for e in range(pairs.shape[0]):
-        da = minus(vec(x, pairs[e, 1]), vec(x, pairs[e, 0]))
-        db = minus(vec(x, pairs[e, 3]), vec(x, pairs[e, 2]))
-        n = cross(da, db)
-        angle[e] = math.atan2(math.sqrt(dot(n, n)), dot(da, db))
-
-
-@kernel
-def line_moments(angle, pairs, B, tables, moment):  # type: ignore[no-untyped-def]
-    """Bending moment [N m] from the angles of all pairs; B (n, 2)."""
-    for e in range(pairs.shape[0]):
-        moment[e] = B[e, 0] * angle[e]
-        if pairs[e, 4] >= 0 and B[e, 0] > 0.0:
-            moment[e], _ = from_table(tables, pairs[e, 4], angle[e])

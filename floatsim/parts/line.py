@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from floatsim.description import Items, Name, Vector3
-from floatsim.errors import ModelError, nearest
+from floatsim.errors import ModelError
 from floatsim.frames import Array
 from floatsim.laws.engineering import Engineering
 from floatsim.laws.moment_table import MomentTable, pad_tables, pair_table
 from floatsim.parts.attachment import LineLoad
-from floatsim.parts.bending import line_angles, line_bending, line_moments
+from floatsim.parts.bending import line_bending
 from floatsim.parts.element import (
     CA,
     COLUMNS,
@@ -458,20 +458,23 @@ class LineBatch:
         """Take in the accepted step; `w.event` says that something broke."""
         if self.rough:
             drag_stick_points(w.x, w.v, self.nodes, self.P, self.bed, self.grid, history["stick"])
-        for (law, _, _, new), old in zip(self.laws, history["laws"], strict=True):
-            if law.memory:
-                np.copyto(old, new)
         if w.controlled:
             old = history["tension"]
             old[1], old[0], old[2] = old[0], self._tension, w.t - history["t"]
             np.maximum(history["largest"], self._largest, out=history["largest"])
         history["t"] = w.t
         if self.breaks and not history["broken"].all():
-            tension = self.tension(w)[self.break_element]
+            stretches(w.x, w.v, self.nodes, self.P, self._s, self._rate)
+            tension = np.empty(len(self.nodes))
+            tensions(self.nodes, self.P, self.special, self._s, self._rate, tension)
+            tension = tension[self.break_element]
             for k, item in enumerate(self.breaks):
                 over = w.t >= item.time - 1e-9 if item.time is not None else tension[k] >= item.tension
                 if over and not history["broken"][k]:
                     history["broken"][k] = w.event = True
+        for (law, _, _, new), old in zip(self.laws, history["laws"], strict=True):
+            if law.memory:
+                np.copyto(old, new)
 
     # -- results ------------------------------------------------------------------------------
 
@@ -483,24 +486,12 @@ class LineBatch:
         return "?"
 
     def tension(self, w: Any) -> Array:
-        """Effective tension of all elements [N], shape (n_elements of all lines,)."""
+        """Effective tension of all elements [N], shape (n_elements of all lines,), before the step is committed."""
         out = np.empty(len(self.nodes))
         if self.laws:
             self._special(w.x, w.v)
         stretches(w.x, w.v, self.nodes, self.P, self._s, self._rate)
         tensions(self.nodes, self.P, self.special, self._s, self._rate, out)
-        return out
-
-    def angles(self, w: Any) -> Array:
-        """Angles at all inner nodes [rad], shape (n_pairs of all lines,)."""
-        out = np.empty(len(self.pairs))
-        line_angles(w.x, self.pairs, out)
-        return out
-
-    def moments(self, angle: Array) -> Array:
-        """Bending moments [N m] at all inner nodes from their angles, shape (n_pairs of all lines,)."""
-        out = np.empty(len(self.pairs))
-        line_moments(angle, self.pairs, self.B, self.tables, out)
         return out
 
 
@@ -517,8 +508,3 @@ def _in_band(slots: Index, keep: Index) -> tuple[Index, int]:
     step = int(values[counts.argmax()])
     expected = block[:, :1, :1] + step * np.arange(m)[:, None] + np.arange(m)
     return np.where((block == expected).all(axis=(1, 2)), block[:, 0, 0], -1), step
-
-
-def unknown_end(name: str, line: Line) -> str:
-    """What to say of an end that a line does not have."""
-    return f"line '{line.name}' has no '{name}'{nearest(name, line.anchors())}"

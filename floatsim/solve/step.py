@@ -28,6 +28,7 @@ from floatsim.system.state import State, Work
 from floatsim.system.system import System
 
 MAX_ITERATIONS = 12
+TOLERANCE = 1e-5  # of the forces that meet at a point; implicit line codes stop at 2.5e-5
 UNDAMPED = 0.95  # spectral radius above which position-level multipliers blow up sooner or later
 
 
@@ -114,7 +115,7 @@ def advance(d, y, lam, cG, n_point, out):  # type: ignore[no-untyped-def]
 class Stepper:
     """Steps a state in place; everything is allocated once. Histories are two-phase."""
 
-    def __init__(self, system: System, scheme: Scheme | None = None, tolerance: float = 1e-6) -> None:
+    def __init__(self, system: System, scheme: Scheme | None = None, tolerance: float = TOLERANCE) -> None:
         self.system = system
         self.scheme = scheme or generalised_alpha()
         self.tolerance = tolerance
@@ -325,7 +326,7 @@ class Stepper:
 
 
 def step(
-    system: System, state: State, dt: float, scheme: Scheme | None = None, tolerance: float = 1e-6
+    system: System, state: State, dt: float, scheme: Scheme | None = None, tolerance: float = TOLERANCE
 ) -> tuple[State, StepReport]:
     """One step of size dt [s] by hand: the new state and how it went. `state` is not changed.
 

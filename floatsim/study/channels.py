@@ -2,31 +2,39 @@
 
 Almost everything that is put out is linear in a few *sources*: positions, velocities, accelerations, multipliers,
 roll-pitch-yaw, tensions, angles between elements, moments of joints. So each entry of a sample is a row of a sparse
-matrix, sample = S source - offset, built once; selecting channels selects rows, and no Python loop runs over elements.
+matrix, sample = S source - offset, built once; selecting channels selects rows, sources that no row asks for are not
+collected, and no Python loop runs over elements.
 
 Line end forces and joint forces are multipliers. With the residual M a + f + G^T lam = 0, a `coincide` row puts
 -lam on A and +lam on B: lam is the force A exerts on B. An `align` row g = a . b has G = (a x b) for turns of A and
 -(a x b) for turns of B (angular velocities, world axes), so that mu (a x b) is the moment that A exerts on B.
+
+Touchdown: walking down from the upper end, the first node in contact, moved to where the line's inclination against
+the bed, tan = V/H, has fallen to zero. In a catenary V/H is linear in arc length, in one of lumped weights too, so two
+elements above the node give the place within the element, and it moves without jumps as the line is laid.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
 
 from floatsim.errors import CaseError, nearest
-from floatsim.frames import Array, cross, dot, rotate, vec
+from floatsim.frames import Array, at, cross, dot, minus, rotate, vec
 from floatsim.jit import kernel
+from floatsim.parts.bending import from_table
 from floatsim.parts.body import Body
+from floatsim.parts.element import L0, axial
 from floatsim.parts.end_bending import EndBendingBatch
 from floatsim.parts.line import Line, LineBatch
 from floatsim.parts.point_mass import PointMass
 from floatsim.parts.spring import SpringBatch
+from floatsim.sea.seabed import SLOPE_X, SLOPE_Y, Z0, bed_height
 from floatsim.study.store import TIME_ATTRIBUTES, Channel, Coordinate
 from floatsim.system.state import State, Work
 from floatsim.system.system import System
@@ -34,7 +42,19 @@ from floatsim.system.system import System
 Index = NDArray[np.int64]
 Found = tuple[Channel, Index, Any, Any]  # a channel, its source index (rows,) or (rows, k), weight, offset
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+CONTACT = 1e-6  # of the depth: a node this close to the seabed touches it; an anchor at the bed does
 _XYZ = np.arange(3)
+_CLAMP = 8  # entries of a clamp among the sources: angle, size of the moment, moment, shear
+
+
+@kernel
+def weigh(start, index, weight, source, offset, out):  # type: ignore[no-untyped-def]
+    """out = S source - offset; row i of S has entries start[i] to start[i + 1] of index and weight."""
+    for i in range(out.shape[0]):
+        y = -offset[i]
+        for k in range(start[i], start[i + 1]):
+            y += weight[k] * source[index[k]]
+        out[i] = y
 
 
 @kernel
@@ -57,14 +77,103 @@ def align_moments(R, where, axes, mu, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def clamp_angles(x, R, where, E, out):  # type: ignore[no-untyped-def]
-    """out (n): angle between a clamp's direction and the line's first element. where (n, 4), E (n, 5)."""
+def clamp_values(x, R, lam, where, E, moment, ties, out):  # type: ignore[no-untyped-def]
+    """out (8 n), of every clamped line end: angle between the clamp's direction and the line's outermost element, size
+    of the end moment, the end moment, and the part of the end force normal to the clamp's direction.
+
+    where (n, 4), E (n, 5), moment (n, 3): see EndBendingBatch. ties (n, 2 m): first multiplier and sign of up to m
+    joints at the end, which add up to the force of the line's end.
+    """
     for e in range(where.shape[0]):
         a = rotate(R, where[e, 0], (E[e, 2], E[e, 3], E[e, 4]))
-        p, q = vec(x, where[e, 1]), vec(x, where[e, 2])
-        b = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
+        b = minus(vec(x, where[e, 2]), vec(x, where[e, 1]))
         n = cross(a, b)
-        out[e] = np.arctan2(np.sqrt(dot(n, n)), dot(a, b))
+        o = _CLAMP * e
+        out[o] = math.atan2(math.sqrt(dot(n, n)), dot(a, b))
+        M = vec(moment, e)
+        out[o + 1] = math.sqrt(dot(M, M))
+        for m in range(3):
+            f = 0.0
+            for k in range(0, ties.shape[1], 2):
+                f += ties[e, k + 1] * lam[ties[e, k] + m]
+            out[o + 2 + m] = M[m]
+            out[o + 5 + m] = f
+        along = dot(a, at(out, o + 5))
+        for m in range(3):
+            out[o + 5 + m] -= along * a[m]
+
+
+@kernel
+def line_values(x, v, nodes, P, special, pairs, B, tables, bed, grid, lines, arc, reach, out):  # type: ignore[no-untyped-def]
+    """out: tensions of all elements; angles, then moments of all pairs; clearances of all nodes; touchdown of all
+    lines; declinations at end a and end b of all lines.
+
+    Elements and pairs as in LineBatch. lines (n, 3): first element, number of elements, whether end b is the upper
+    one; arc (elements + lines): arc length of their nodes; reach [m]: height over the bed that counts as contact.
+    """
+    n_element, n_pair, n_line = nodes.shape[0], pairs.shape[0], lines.shape[0]
+    for e in range(n_element):
+        i, j = nodes[e, 0], nodes[e, 1]
+        d = minus(vec(x, j), vec(x, i))
+        l, l0 = math.sqrt(dot(d, d)), P[e, L0]
+        rate = dot(d, minus(at(v, 3 * j), at(v, 3 * i))) / (l * l0)
+        out[e], _, _ = axial(P, special, e, l / l0, rate, math.inf, 1.0)
+    for e in range(n_pair):
+        da = minus(vec(x, pairs[e, 1]), vec(x, pairs[e, 0]))
+        db = minus(vec(x, pairs[e, 3]), vec(x, pairs[e, 2]))
+        n = cross(da, db)
+        angle = math.atan2(math.sqrt(dot(n, n)), dot(da, db))
+        M = B[e, 0] * angle
+        if pairs[e, 4] >= 0 and B[e, 0] > 0.0:
+            M, _ = from_table(tables, pairs[e, 4], angle)
+        out[n_element + e] = angle
+        out[n_element + n_pair + e] = M
+    first_gap = n_element + 2 * n_pair
+    touch, lean = first_gap + n_element + n_line, first_gap + n_element + 2 * n_line
+    for q in range(n_line):
+        e0, n = lines[q, 0], lines[q, 1]
+        g0 = first_gap + e0 + q
+        for m in range(n + 1):
+            p = nodes[e0 + m, 0] if m < n else nodes[e0 + m - 1, 1]
+            z = bed[Z0] + bed[SLOPE_X] * x[p, 0] + bed[SLOPE_Y] * x[p, 1]
+            if grid.shape[0] > 0:
+                z, _, _ = bed_height(bed, grid, x[p, 0], x[p, 1])
+            out[g0 + m] = x[p, 2] - z
+        out[touch + q] = _touchdown(x, nodes, e0, n, lines[q, 2] == 1, out, g0, arc, e0 + q, reach)
+        for end in range(2):
+            e = e0 if end == 0 else e0 + n - 1
+            d = minus(vec(x, nodes[e, 1]), vec(x, nodes[e, 0]))
+            out[lean + 2 * q + end] = math.atan2(math.sqrt(d[0] * d[0] + d[1] * d[1]), d[2])
+
+
+@kernel
+def _touchdown(x, nodes, e0, n, from_b, gap, g0, arc, s0, reach):  # type: ignore[no-untyped-def]
+    """Arc length [m] of the first contact below the upper end, nan without one. Node j has gap[g0 + j], arc[s0 + j]."""
+    top, way = (n, -1) if from_b else (0, 1)
+    for m in range(n + 1):
+        j = top + way * m
+        if gap[g0 + j] > reach:
+            continue
+        s = arc[s0 + j]
+        if m < 2:
+            return s
+        above, next_above = arc[s0 + j - way], arc[s0 + j - 2 * way]
+        near = _climb(x, nodes, e0 + (j if from_b else j - 1), gap[g0 + j - way] - gap[g0 + j])
+        far = _climb(x, nodes, e0 + (j + 1 if from_b else j - 2), gap[g0 + j - 2 * way] - gap[g0 + j - way])
+        if not far > near:  # no catenary, as in a snap
+            return s
+        high, higher = 0.5 * (s + above), 0.5 * (above + next_above)
+        low = s if m == n else 0.5 * (s + arc[s0 + j + way])
+        place = high + (high - higher) * near / (far - near)
+        return min(max(place, min(low, high)), max(low, high))
+    return math.nan
+
+
+@kernel
+def _climb(x, nodes, e, rise):  # type: ignore[no-untyped-def]
+    """Rise over the bed per horizontal length of element e."""
+    d = minus(vec(x, nodes[e, 1]), vec(x, nodes[e, 0]))
+    return rise / math.sqrt(d[0] * d[0] + d[1] * d[1])
 
 
 @dataclass
@@ -107,23 +216,17 @@ class Sampler:
         self._offset = np.concatenate([entry.offset for entry in chosen])
         self.width = len(self._offset)
         start = np.cumsum([0, *(len(entry.offset) for entry in chosen)])
-        self._matrix = coo_matrix(
-            (
-                np.concatenate([entry.weights for entry in chosen]),
-                (
-                    np.concatenate([entry.rows + s for entry, s in zip(chosen, start)]),
-                    np.concatenate([entry.sources for entry in chosen]),
-                ),
-            ),
-            shape=(self.width, self._sources.size),
-        ).tocsr()
+        rows = np.concatenate([entry.rows + s for entry, s in zip(chosen, start)])  # in rising order
+        self._start = np.searchsorted(rows, np.arange(self.width + 1))
+        self._index = np.concatenate([entry.sources for entry in chosen])
+        self._weight = np.concatenate([entry.weights for entry in chosen])
+        self._sources.want(self._index)
         sizes = {item.dim: len(item.values) for item in self.coordinates}
         shapes = [tuple(sizes[dim] for dim in channel.dims) for channel in self.channels]
         self._columns = {
             channel.name: (slice(int(a), int(b)), shape)
             for channel, a, b, shape in zip(self.channels, start[:-1], start[1:], shapes, strict=True)
         }
-        self._waves = any(channel.name == "wave_elevation" for channel in self.channels)
 
     # -- samples ------------------------------------------------------------------------------
 
@@ -132,8 +235,10 @@ class Sampler:
 
         That is the state after a converged step. iterations, step [s]: for the solver's channels.
         """
-        self._sources.collect(work, iterations, step, self._waves)
-        return self._matrix @ self._sources.values - self._offset
+        self._sources.collect(work, iterations, step)
+        row = np.empty(self.width)
+        weigh(self._start, self._index, self._weight, self._sources.values, self._offset, row)
+        return row
 
     def sample_state(self, state: State) -> Array:
         """One sample (width,) of any state, such as the start of a run or a static equilibrium."""
@@ -222,30 +327,54 @@ class Sampler:
         index = s.x[3 * (p + line.nodes)[:, None] + _XYZ].ravel()
         yield Channel(f"{name}_position", f"{name}: position of the nodes, world", "m", (node, "xyz")), index, 1.0, 0.0
         yield Channel(f"{name}_tension", f"{name}: effective tension", "N", (element,)), s.tension[name], 1.0, 0.0
+        load = np.array([c.breaking_load or np.nan for c in line.element_sections])
+        if not np.isnan(load).all():
+            text = f"{name}: effective tension over breaking load"
+            yield Channel(f"{name}_tension_utilisation", text, "1", (element,)), s.tension[name], *_where(1.0 / load)
         # at a clamp the angle is spread over half an element; a free or hinged end is straight
-        angle = np.concatenate([[s.zero], s.angle[name], [s.zero]])
+        clamps = [s.clamp.get(f"{name}.{end}") for end in ("end_a", "end_b")]
+        ends = [s.zero if k is None else int(k[0]) for k in clamps]
+        angle = np.concatenate([ends[:1], s.angle[name], ends[1:]])
         weight = 2.0 / np.concatenate([l0[:1], l0[:-1] + l0[1:], l0[-1:]])
-        angle[0], angle[-1] = (s.clamp.get(f"{name}.{end}", s.zero) for end in ("end_a", "end_b"))
         yield Channel(f"{name}_curvature", f"{name}: curvature", "1/m", (node,)), angle, weight, 0.0
-        moment = np.concatenate([[s.zero], s.moment[name], [s.zero]])
-        moment[0], moment[-1] = (s.clamp_bending.get(f"{name}.{end}", s.zero) for end in ("end_a", "end_b"))
+        radius = _bend_radius(line, weight)
+        if not np.isnan(radius).all():
+            text = f"{name}: curvature times minimum bend radius"
+            yield Channel(f"{name}_curvature_utilisation", text, "1", (node,)), angle, *_where(radius)
+        ends = [s.zero if k is None else int(k[1]) for k in clamps]
+        moment = np.concatenate([ends[:1], s.moment[name], ends[1:]])
         yield Channel(f"{name}_bending_moment", f"{name}: bending moment", "N m", (node,)), moment, 1.0, 0.0
-        for end, point in (("end_a", p), ("end_b", p + line.n_points - 1)):
-            text = f"{name}: force of {end.replace('_', ' ')} on what it is tied to, world axes"
-            yield Channel(f"{name}_{end}_force", text, "N", ("xyz",)), *self._end_force(point), 0.0
+        text = f"{name}: height of the nodes over the seabed"
+        yield Channel(f"{name}_clearance", text, "m", (node,)), s.clearance[name], 1.0, 0.0
+        text = f"{name}: arc length from end a of the first contact with the seabed below the upper end"
+        yield Channel(f"{name}_touchdown", text, "m"), s.touchdown[name], 1.0, 0.0
+        for end, point, at_b in (("end_a", p, 0), ("end_b", p + line.n_points - 1, 1)):
+            yield from self._line_end(f"{name}_{end}", f"{name}: ", end.replace("_", " "), point,
+                                      s.declination[name][at_b :][:1], clamps[at_b])  # fmt: skip
+
+    def _line_end(self, name: str, of: str, end: str, point: int, declination: Index,
+                  clamp: Index | None) -> Iterable[Found]:  # fmt: skip
+        """Force and declination of a line's end; at a clamp also angle, moment and shear."""
+        text = f"{of}force of {end} on what it is tied to, world axes"
+        yield Channel(f"{name}_force", text, "N", ("xyz",)), *self._end_force(point), 0.0
+        text = f"{of}angle at {end} between the vertical and the line's direction from end a to end b"
+        yield Channel(f"{name}_angle", text, "rad"), declination, 1.0, 0.0
+        if clamp is None:
+            return
+        text = f"{of}angle at {end} between the clamp's direction and the outermost element"
+        yield Channel(f"{name}_clamp_angle", text, "rad"), clamp[:1], 1.0, 0.0
+        text = f"{of}moment of {end} on what it is clamped to, world axes"
+        yield Channel(f"{name}_moment", text, "N m", ("xyz",)), clamp[2:5], 1.0, 0.0
+        text = f"{of}part of the force of {end} normal to the clamp's direction, world axes"
+        yield Channel(f"{name}_shear", text, "N", ("xyz",)), clamp[5:8], 1.0, 0.0
 
     def _end_force(self, point: int) -> tuple[Index, Array]:
         """Multipliers of the joints at a point that has no arm: + where it is A, - where it is B."""
-        rows, signs = [], []
-        for joint in self.system.joint_rows.values():
-            for k in joint[0]:
-                w = self.system.constraints.where[k]
-                if point in (w[0], w[2]):
-                    rows.append(self._sources.lam[3 * k + _XYZ])
-                    signs.append(1.0 if w[0] == point else -1.0)
-        if not rows:
+        ties = _ties(self.system, point)
+        if not ties:
             return np.full(3, self._sources.zero), np.zeros(3)
-        return np.stack(rows, axis=1), np.tile(signs, (3, 1))
+        rows = [self._sources.lam[k + _XYZ] for k, _ in ties]
+        return np.stack(rows, axis=1), np.tile([float(sign) for _, sign in ties], (3, 1))
 
     def _joints(self) -> Iterable[Found]:
         s = self._sources
@@ -283,57 +412,120 @@ class _Sources:
         self.attitude = self._room(3 * (system.n_rotation + 1))
         self.align_moment = self._room(3 * len(con.turns))
         self.solver, self.environment = self._room(2), self._room(1)
-        tension, angle = self._room(sum(p.elements for p in lines)), self._room(sum(p.elements - 1 for p in lines))
-        bending = self._room(len(angle))
-        self.tension: dict[str, Index] = {}
-        self.angle: dict[str, Index] = {}
-        self.moment: dict[str, Index] = {}
-        if self._lines:
-            self.tension = {p.name: tension[of] for p, of in zip(lines, self._lines.elements_of)}
-            self.angle = {p.name: angle[of] for p, of in zip(lines, self._lines.pairs_of)}
-            self.moment = {p.name: bending[of] for p, of in zip(lines, self._lines.pairs_of)}
-        clamp, moment = self._room(len(clamps)), self._room(3 * len(clamps))
-        end = self._room(len(clamps))
-        self.clamp_bending = {p.end: int(end[k]) for k, p in enumerate(clamps)}
-        self.clamp = {p.end: int(clamp[k]) for k, p in enumerate(clamps)}
-        self.clamp_moment = {p.name: moment[3 * k + _XYZ] for k, p in enumerate(clamps)}
+        ne, nn = sum(p.elements for p in lines), sum(p.elements + 1 for p in lines)
+        line = self._room(ne + 2 * (ne - len(lines)) + nn + 3 * len(lines))
+        sizes = [ne, ne - len(lines), ne - len(lines), nn, len(lines)]
+        tension, angle, moment, gap, touchdown, lean = np.split(line, np.cumsum(sizes))
+        first = np.cumsum([0, *(p.elements for p in lines)])
+        # where a line stands among elements, pairs and nodes of all lines
+        self.tension = {p.name: tension[a:][: p.elements] for p, a in zip(lines, first)}
+        self.angle = {p.name: angle[a - q :][: p.elements - 1] for q, (p, a) in enumerate(zip(lines, first))}
+        self.moment = {p.name: moment[a - q :][: p.elements - 1] for q, (p, a) in enumerate(zip(lines, first))}
+        self.clearance = {p.name: gap[a + q :][: p.elements + 1] for q, (p, a) in enumerate(zip(lines, first))}
+        self.touchdown = {p.name: touchdown[q : q + 1] for q, p in enumerate(lines)}
+        self.declination = {p.name: lean[2 * q : 2 * q + 2] for q, p in enumerate(lines)}
+        rows = [[a, p.elements, _b_is_upper(system, p)] for p, a in zip(lines, first)]
+        self._lines_at = np.array(rows, dtype=np.int64)
+        self._arc = np.concatenate([np.zeros(0), *(p.arc_length for p in lines)])
+        clamp = self._room(_CLAMP * len(clamps)).reshape(-1, _CLAMP)
+        self.clamp = {p.end: clamp[k] for k, p in enumerate(clamps)}
+        self.clamp_moment = {p.name: clamp[k, 2:5] for k, p in enumerate(clamps)}
+        points: list[int] = list(self._clamps.where[:, 1]) if self._clamps else []
+        ties = [[y for tie in _ties(system, point) for y in tie] for point in points]
+        self._ties = np.zeros((len(ties), max(map(len, ties), default=0)), dtype=np.int64)
+        for row, own in zip(self._ties, ties):
+            row[: len(own)] = own
         force = self._room(len(springs))
         self.springs = {p.name: force[k : k + 1] for k, p in enumerate(springs)}
         self.values = np.zeros(self.size)
         rooms = [self.values[part] for part in self._slices]
         (_, self._x, self._v, self._a, self._lam, self._attitude, self._align, self._solver, self._environment,
-         self._tension, self._angle, self._bending, self._clamp, self._moment, self._end,
-         self._force) = rooms  # fmt: skip
+         self._line, self._clamp, self._force) = rooms  # fmt: skip
         self._waves, self._ramp = system.waves, system.model.sea.wave_ramp
+        self._reach = CONTACT * system.model.sea.depth
+        self.want(np.arange(self.size))
+
+    def want(self, index: Index) -> None:
+        """Which sources are asked for: `collect` leaves out kinds of which there are none."""
+        asked = np.zeros(self.size, dtype=bool)
+        asked[index] = True
+        (_, self._want_x, self._want_v, self._want_a, self._want_lam, self._want_attitude, self._want_align, _,
+         self._want_waves, self._want_lines, self._want_clamps,
+         self._want_springs) = [bool(asked[part].any()) for part in self._slices]  # fmt: skip
 
     def _room(self, n: int) -> Index:
         first, self.size = self.size, self.size + n
         self._slices.append(slice(first, self.size))
         return np.arange(first, self.size)
 
-    def collect(self, w: Work, iterations: int, step: float, waves: bool) -> None:
+    def collect(self, w: Work, iterations: int, step: float) -> None:
         """Fill `values` from the scratch."""
-        con = self._constraints
-        self._x[:] = w.x.ravel()
-        self._v[:] = w.v
-        self._a[:] = w.a
-        self._lam[:] = w.lam
-        attitudes(w.R, self._attitude)
-        if len(con.turns):
-            align_moments(w.R, con.turns, con.vectors, w.lam[con.n_point_rows :], self._align)
         self._solver[0], self._solver[1] = iterations, step
-        if self._lines is not None:
-            self._tension[:] = self._lines.tension(w)
-            self._angle[:] = self._lines.angles(w)
-            self._bending[:] = self._lines.moments(self._angle)
-        if self._clamps is not None:
-            clamp_angles(w.x, w.R, self._clamps.where, self._clamps.E, self._clamp)
-            self._moment[:] = self._clamps.moment.ravel()
-            self._end[:] = np.linalg.norm(self._clamps.moment, axis=1)
-        if self._springs is not None:
+        if self._want_x:
+            self._x[:] = w.x.ravel()
+        if self._want_v:
+            self._v[:] = w.v
+        if self._want_a:
+            self._a[:] = w.a
+        if self._want_lam:
+            self._lam[:] = w.lam
+        if self._want_attitude:
+            attitudes(w.R, self._attitude)
+        if self._want_align:
+            con = self._constraints
+            align_moments(w.R, con.turns, con.vectors, w.lam[con.n_point_rows :], self._align)
+        if self._want_lines and (b := self._lines) is not None:
+            line_values(w.x, w.v, b.nodes, b.P, b.special, b.pairs, b.B, b.tables, b.bed, b.grid, self._lines_at,
+                        self._arc, self._reach, self._line)  # fmt: skip
+        if self._want_clamps and (c := self._clamps) is not None:
+            clamp_values(w.x, w.R, w.lam, c.where, c.E, c.moment, self._ties, self._clamp)
+        if self._want_springs and self._springs is not None:
             self._force[:] = self._springs.force
-        if waves and self._waves is not None:
+        if self._want_waves and self._waves is not None:
             self._environment[0] = self._waves.elevation(0.0, 0.0, w.t, self._ramp)
+
+
+def _ties(system: System, point: int) -> list[tuple[int, int]]:
+    """(first multiplier, sign) of the joints at a point: what adds up to the force it exerts on them."""
+    found = []
+    for points, _ in system.joint_rows.values():
+        for k in points:
+            w = system.constraints.where[k]
+            if point in (w[0], w[2]):
+                found.append((3 * k, 1 if w[0] == point else -1))
+    return found
+
+
+def _b_is_upper(system: System, line: Line) -> bool:
+    """Whether end b is drawn higher over the seabed than end a: touchdown is looked for from there."""
+    num, sea = system.numbering, system.model.sea
+    p = num.first_point[num.index(line.name)]
+    a, b = system.x0[p], system.x0[p + line.n_points - 1]
+    gaps = [z - sea.seabed.height(x, y, sea.depth) for x, y, z in (a, b)]
+    return bool(gaps[1] > gaps[0])
+
+
+def _bend_radius(line: Line, weight: Array) -> Array:
+    """Curvature times minimum bend radius per angle at every node [1/rad], nan where none is given.
+
+    weight [1/m]: curvature per angle. Where stiffness changes at a node both sides have the same moment, so the
+    softer bends more: k/EI times its radius counts on either side, the larger of both is taken.
+    """
+    l0, EI = line.element_lengths, line.half_stiffness
+    R = np.array([c.minimum_bend_radius or np.nan for c in line.element_sections])
+    table = np.array([c.bending_law is not None for c in line.element_sections])
+    a, b = EI[:-1, 1], EI[1:, 0]
+    bent = (a > 0.0) & (b > 0.0) & ~table[:-1] & ~table[1:]
+    a, b = np.where(bent, a, 1.0), np.where(bent, b, 1.0)
+    k = 2.0 / (l0[:-1] / a + l0[1:] / b)
+    inner = np.fmax(np.where(bent, k / a, weight[1:-1]) * R[:-1], np.where(bent, k / b, weight[1:-1]) * R[1:])
+    return np.concatenate([weight[:1] * R[:1], inner, weight[-1:] * R[-1:]])
+
+
+def _where(weight: Array) -> tuple[Array, Array]:
+    """(weight, offset) that give nan where the weight is nan."""
+    missing = np.isnan(weight)
+    return np.where(missing, 0.0, weight), np.where(missing, np.nan, 0.0)
 
 
 def _entry(channel: Channel, index: Index, weight: Any, offset: Any) -> _Entry:

@@ -1,6 +1,8 @@
-"""A page of plots from a result file: motions, line tensions, line shapes over the seabed, solver history.
+"""A page of plots from a result file: motions, lines over the seabed and along their length, solver history.
 
-Angles are shown in degrees, forces in kN; the file itself stays in SI units and radians.
+Lines are drawn in their vertical plane: that through the ends of one line, or the one that all lines lie in. Along a
+line, runs show the mean and a band from the smallest to the largest value. Angles are shown in degrees, forces in kN;
+the file itself stays in SI units and radians.
 """
 
 from __future__ import annotations
@@ -10,17 +12,32 @@ from typing import Any
 
 import numpy as np
 
-from floatsim.errors import CaseError
+from floatsim.errors import CaseError, nearest
+from floatsim.frames import Array
+from floatsim.study.ranges import blocks_of, lines_of, open_results, range_graph, span
 
 _MANY = 8  # legends with more entries are left out
 _QUIET: dict[str, Any] = {"color": "0.35", "linewidth": 0.9}
+_BED, _SURFACE = "#8a6d3b", "#3b78a8"
+_FLAT = 0.01  # lines that stray less than this share of their extent from a vertical plane lie in it
+_ALONG = {  # quantity along a line -> label, scale
+    "tension": ("tension [kN]", 1e-3),
+    "curvature": ("curvature [1/m]", 1.0),
+    "bending_moment": ("bending moment [kN m]", 1e-3),
+    "tension_utilisation": ("tension utilisation [-]", 1.0),
+    "curvature_utilisation": ("curvature utilisation [-]", 1.0),
+}
+_OVERVIEW = ("tension", "curvature")  # what is drawn when no line is asked for
 
 
-def plot_file(path: str | Path, out_png: str | Path) -> None:
+def plot_file(
+    path: str | Path, out_png: str | Path, line: str | None = None, start: float | None = None, end: float | None = None
+) -> None:
     """Draw the result file `path` (a finished, failed or still running one) into `out_png`.
 
-    What the file does not hold is left out. Raises CaseError if the file cannot be read or holds no samples, or if
-    the picture cannot be written.
+    line: draw only this line, with all that is known along it. start, end [s]: draw this part of the run.
+    What the file does not hold is left out. Raises CaseError if the file cannot be read or holds no samples (there),
+    if there is no such line, or if the picture cannot be written.
     """
     import matplotlib
 
@@ -29,9 +46,18 @@ def plot_file(path: str | Path, out_png: str | Path) -> None:
 
     if Path(out_png).is_dir():
         raise CaseError(f"picture '{out_png}' is a folder; give a file name")
-    data = _opened(Path(path))
+    data = whole = open_results(path)
     try:
-        panels = [*_motion_panels(data), *_wave_panel(data), *_line_panels(data), *_solver_panels(data)]
+        known = lines_of(data)
+        if line is not None and line not in known:
+            raise CaseError(f"line: got '{line}'; the results have no such line{nearest(line, known)}")
+        first, last = span(data, start, end)
+        data = data.isel(time=slice(first, last))
+        if line is not None:
+            panels = _line_panels(data, [line], tuple(_ALONG))
+        else:
+            panels = [*_motion_panels(data), *_wave_panel(data), *_line_panels(data, known, _OVERVIEW),
+                      *_solver_panels(data)]  # fmt: skip
         if not panels:
             raise CaseError(f"'{path}' holds nothing that could be plotted: {', '.join(map(str, data.data_vars))}")
         rows = (len(panels) + 1) // 2
@@ -47,7 +73,7 @@ def plot_file(path: str | Path, out_png: str | Path) -> None:
         for ax in axes.flat[len(panels) :]:
             ax.set_visible(False)
         status = data.attrs.get("status", "")
-        title = str(data.attrs.get("title") or Path(path).name)
+        title = str(data.attrs.get("title") or Path(path).name) + (f", {line}" if line is not None else "")
         figure.suptitle(title if status in ("done", "") else f"{title} ({status})", fontsize="large")
         try:
             figure.savefig(out_png, dpi=130)
@@ -55,22 +81,7 @@ def plot_file(path: str | Path, out_png: str | Path) -> None:
             said = error.strerror if isinstance(error, OSError) else error
             raise CaseError(f"picture '{out_png}' cannot be written: {said}") from None
     finally:
-        data.close()
-
-
-def _opened(path: Path) -> Any:
-    import xarray
-
-    if not path.is_file():
-        raise CaseError(f"there is no result file '{path}'")
-    try:
-        data = xarray.open_dataset(path)
-    except (OSError, ValueError, RuntimeError):
-        raise CaseError(f"'{path}' is not a netCDF file that can be read") from None
-    if data.sizes.get("time", 0) == 0:
-        data.close()
-        raise CaseError(f"'{path}' holds no samples (yet)")
-    return data
+        whole.close()
 
 
 def _names(data: Any, ending: str, *dims: str) -> list[str]:
@@ -123,35 +134,92 @@ def _wave_panel(data: Any) -> list[Any]:
     return [draw]
 
 
-def _line_panels(data: Any) -> list[Any]:
+def _line_panels(data: Any, lines: list[str], quantities: tuple[str, ...]) -> list[Any]:
+    """Largest tension over time, shapes, and quantities along the arc length that are not zero everywhere."""
     panels: list[Any] = []
-    tensions = _names(data, "_tension", "{}_element")
-    shapes = _names(data, "_position", "{}_node", "xyz")
+    tensions = [name for name in _names(data, "_tension", "{}_element") if name in lines]
+    shapes = [name for name in _names(data, "_position", "{}_node", "xyz") if name in lines]
 
     def tension(ax: Any) -> None:
         for name in tensions:
-            _curve(ax, data.time.values, data[f"{name}_tension"].values.max(axis=1) / 1e3, name)
+            _curve(ax, data.time.values, _largest(data[f"{name}_tension"]) / 1e3, name)
         ax.set_ylabel("largest tension [kN]")
         _at_least(ax, 1e-3 * max(map(abs, ax.get_ylim())))
 
-    def shape(ax: Any) -> None:
-        for name in shapes:
-            x = data[f"{name}_position"].values[[0, -1]]
-            (drawn,) = ax.plot(x[-1, :, 0], x[-1, :, 2], linewidth=1.3, label=name)
-            if data.sizes["time"] > 1:
-                ax.plot(x[0, :, 0], x[0, :, 2], linewidth=0.8, linestyle=":", color=drawn.get_color())
-        depth = data.attrs.get("water_depth")
-        if depth is not None:
-            ax.axhline(-float(depth), color="#8a6d3b", linewidth=1.2)
-            ax.axhline(0.0, color="#3b78a8", linewidth=0.8)
-        ax.set_xlabel("x [m] (dotted: start, full: end)" if data.sizes["time"] > 1 else "x [m]")
-        ax.set_ylabel("z [m]")
+    def along(quantity: str) -> Any | None:
+        ending, dim = f"_{quantity}", "{}_element" if quantity.startswith("tension") else "{}_node"
+        graphs = [range_graph(data, name, quantity) for name in _names(data, ending, dim) if name in lines]
+        if not any(np.nanmax(np.abs([g.minimum, g.maximum]), initial=0.0) > 0.0 for g in graphs):
+            return None
+        label, scale = _ALONG[quantity]
 
-    if tensions:
+        def draw(ax: Any) -> None:
+            for g in graphs:
+                (drawn,) = ax.plot(g.arc_length, scale * g.mean, linewidth=1.1, label=g.line)
+                if g.samples > 1:
+                    band = {"color": drawn.get_color(), "alpha": 0.2, "linewidth": 0.0}
+                    ax.fill_between(g.arc_length, scale * g.minimum, scale * g.maximum, **band)
+            note = " (mean; band: least to largest)" if graphs[0].samples > 1 else ""
+            ax.set_xlabel("arc length from end a [m]" + note)
+            ax.set_ylabel(label)
+
+        return draw
+
+    if tensions and (data.sizes["time"] > 1 or len(lines) > 1):
         panels.append(tension)
     if shapes:
-        panels.append(shape)
-    return panels
+        panels.append(lambda ax: _shapes(ax, data, shapes))
+    return panels + [panel for panel in map(along, quantities) if panel is not None]
+
+
+def _largest(channel: Any) -> Array:
+    """Largest value along the line at every time, read block by block."""
+    blocks = [channel.isel(time=slice(a, b)).values.max(axis=1) for a, b in blocks_of(0, channel.sizes["time"])]
+    return np.concatenate(blocks)
+
+
+def _shapes(ax: Any, data: Any, names: list[str]) -> None:
+    """Side view of lines at the first and last sample, the seabed under them and the water surface."""
+    moments = sorted({0, data.sizes["time"] - 1})
+    nodes = {name: data[f"{name}_position"].isel(time=moments).values for name in names}
+    origin, way, label = _vertical_plane([x[-1] for x in nodes.values()])
+    depth = data.attrs.get("water_depth")
+    for name, x in nodes.items():
+        s = (x[:, :, :2] - origin) @ way
+        (drawn,) = ax.plot(s[-1], x[-1, :, 2], linewidth=1.3, label=name)
+        if len(moments) > 1:
+            ax.plot(s[0], x[0, :, 2], linewidth=0.8, linestyle=":", color=drawn.get_color())
+        if f"{name}_clearance" in data:
+            bed = x[-1, :, 2] - data[f"{name}_clearance"].isel(time=-1).values
+            order = np.argsort(s[-1], kind="stable")
+            ax.plot(s[-1][order], bed[order], color=_BED, linewidth=1.2, zorder=1)
+        elif depth is not None:
+            ax.axhline(-float(depth), color=_BED, linewidth=1.2, zorder=1)
+    if depth is not None:
+        ax.axhline(0.0, color=_SURFACE, linewidth=0.8)
+    ax.set_xlabel(f"{label} [m]" + (" (dotted: start, full: end)" if len(moments) > 1 else ""))
+    ax.set_ylabel("z [m]")
+
+
+def _vertical_plane(lines: list[Array]) -> tuple[Array, Array, str]:
+    """(origin, horizontal unit vector, label) of the plane that nodes (n, 3) are drawn in.
+
+    One line: through its ends. Several: the vertical plane they all lie in, else the x-z plane.
+    """
+    x_axis = np.array([1.0, 0.0])
+    if len(lines) == 1:
+        level = lines[0][:, :2]
+        across = level[-1] - level[0]
+        if not np.linalg.norm(across) > _FLAT * np.ptp(level, axis=0).max():  # a loop, or vertical
+            across = level[np.argmax(np.linalg.norm(level - level[0], axis=1))] - level[0]
+        reach = float(np.linalg.norm(across))
+        return level[0], across / reach if reach > 0.0 else x_axis, "horizontal distance from end a"
+    level = np.concatenate(lines)[:, :2]
+    _, size, axes = np.linalg.svd(level - level.mean(axis=0), full_matrices=False)
+    way = axes[0] * np.sign(axes[0][np.argmax(np.abs(axes[0]))])
+    if size[1] > _FLAT * size[0] or abs(way[0]) > 1.0 - _FLAT**2:
+        return np.zeros(2), x_axis, "x"
+    return np.zeros(2), way, f"distance along {np.degrees(np.arctan2(way[1], way[0])):.0f} deg from x"
 
 
 def _solver_panels(data: Any) -> list[Any]:

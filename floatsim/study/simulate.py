@@ -23,7 +23,7 @@ from floatsim.model import Model
 from floatsim.sea.waves import Realisation
 from floatsim.solve.scheme import Scheme
 from floatsim.solve.static import solve_static
-from floatsim.solve.step import Stepper
+from floatsim.solve.step import TOLERANCE, Stepper
 from floatsim.study.channels import Sampler
 from floatsim.study.store import Writer, check_path
 from floatsim.system.state import State
@@ -136,7 +136,7 @@ def simulate(
     precision: Literal["float64", "float32"] = "float64",
     step_control: bool = True,
     scheme: Scheme | None = None,
-    tolerance: float = 1e-6,
+    tolerance: float = TOLERANCE,
     state: State | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
     progress: Progress | None = None,

@@ -186,9 +186,12 @@ class System:
         w = Work(self.n_point, self.n_rotation, self.n, self.n_con, self.layout.size)
         w.u[: self.n_point] = self.current
         sea, points = self.model.sea, self.wet_points
-        if len(points):
-            w.water = Kinematics(self.waves, sea.current, sea.depth, sea.wave_ramp, sea.stretching, points)
+        # a uniform current stands in w.u from the start
+        if len(points) and sea.current.profile is not None:
             w.still_water = Kinematics(None, sea.current, sea.depth, 0.0, sea.stretching, points)
+        w.water = w.still_water
+        if len(points) and self.waves is not None:
+            w.water = Kinematics(self.waves, sea.current, sea.depth, sea.wave_ramp, sea.stretching, points)
         return w
 
     def initial_state(self) -> State:
@@ -220,11 +223,12 @@ class System:
         The water's motion at the wet points too: it is taken where they will be if their accelerations stay, which
         is off by less than h^3, and saves the kinematics from the Newton iterations.
         """
-        s = t - state.t
-        ahead = self._ahead
-        np.multiply(state.v[: ahead.size] + 0.5 * s * state.a[: ahead.size], s, out=ahead.reshape(-1))
-        ahead += state.x
-        self.flow(w, ahead, t)
+        if (w.still_water if w.still else w.water) is not None:
+            s = t - state.t
+            ahead = self._ahead
+            np.multiply(state.v[: ahead.size] + 0.5 * s * state.a[: ahead.size], s, out=ahead.reshape(-1))
+            ahead += state.x
+            self.flow(w, ahead, t)
         w.t = t
         self.constraints.move(t)
         for k, batch in enumerate(self.batches):
