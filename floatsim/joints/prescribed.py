@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from floatsim.description import Description, Name
+from floatsim.description import Description, Name, is_number
 from floatsim.errors import ModelError
 from floatsim.frames import Array, matrix_from_angles
 from floatsim.joints.ball import default_label
@@ -83,6 +83,47 @@ class Motion:
         if np.any(rate[-1] > 1e-3 * rate.max()):
             motion._ends = float(t[-1])
         return motion
+
+    @classmethod
+    def at_speed(cls, start: Sequence[float], end: Sequence[float], speed: float, ramp: float = 10.0) -> Motion:
+        """Straight from `start` to `end` (x, y, z) [m] at a constant speed [m/s], then at rest.
+
+        The speed grows and falls as u = v (t/T - sin(2 pi t/T)/(2 pi)) over T = ramp [s], so that accelerations are
+        continuous; a way too short for two ramps takes shorter ones. The way to let a line find its shape dynamically,
+        by leading its end from where it hangs simply to where it belongs, and to pay out slow offsets.
+        """
+        a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+        good = a.shape == b.shape == (3,) and bool(np.isfinite([a, b]).all())
+        if not good or not is_number(speed) or not speed > 0.0 or not is_number(ramp) or not ramp > 0.0:
+            raise ModelError(
+                f"Motion.at_speed: got start {start!r}, end {end!r}, speed {speed!r}, ramp {ramp!r}; two points "
+                "(x, y, z) and positive numbers are allowed"
+            )
+        way = float(np.linalg.norm(b - a))
+        T = min(ramp, way / speed)
+        along = (b - a) / way if way > 0.0 else np.zeros(3)
+        lasts = way / speed + T  # two ramps cover speed T together
+        w = 2.0 * math.pi / T if T > 0.0 else 1.0
+
+        def grown(t: float) -> tuple[float, float, float]:  # on the first ramp
+            return (
+                speed * (0.5 * t * t / T + (math.cos(w * t) - 1.0) / (w * w * T)),
+                speed * (t / T - math.sin(w * t) / (w * T)), speed * (1.0 - math.cos(w * t)) / T,
+            )  # fmt: skip
+
+        def path(t: float) -> tuple[float, float, float]:
+            if t <= 0.0 or way == 0.0:
+                return 0.0, 0.0, 0.0
+            if t >= lasts:
+                return way, 0.0, 0.0
+            if t < T:
+                return grown(t)
+            if t <= lasts - T:
+                return speed * (t - 0.5 * T), speed, 0.0
+            s, u, rate = grown(lasts - t)
+            return way - s, u, -rate
+
+        return cls(lambda t: a + path(t)[0] * along, lambda t: path(t)[1] * along, lambda t: path(t)[2] * along)
 
     def _check(self) -> None:
         h = 1e-4
