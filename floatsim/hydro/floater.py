@@ -223,6 +223,7 @@ class FloaterBatch:
     """Hydrodynamic loads of all floaters, with their radiation memories."""
 
     runs: ClassVar[list[tuple[int, int]]] = []
+    remembers: ClassVar[bool] = True
 
     def __init__(self, parts: Sequence[Floater], first_point: Sequence[int], first_rotation: Sequence[int],
                  sea: Any, gravity: float) -> None:  # fmt: skip

@@ -74,6 +74,7 @@ class LineLoadBatch:
     """All attachments of all lines."""
 
     runs: ClassVar[list[tuple[int, int]]] = []
+    remembers: ClassVar[bool] = False
 
     def __init__(self, parts: Sequence[LineLoad], first_point: Sequence[int], first_rotation: Sequence[int],
                  sea: Any, gravity: float) -> None:  # fmt: skip

@@ -179,6 +179,7 @@ class BodyBatch:
     """Inertia and weight of all rigid bodies. Their hydrodynamics are batches of their own."""
 
     runs: ClassVar[list[tuple[int, int]]] = []
+    remembers: ClassVar[bool] = False
 
     def __init__(self, parts: Sequence[Body], first_point: Sequence[int], first_rotation: Sequence[int],
                  sea: Any, gravity: float) -> None:  # fmt: skip

@@ -113,6 +113,7 @@ class EndBendingBatch:
     """All clamped line ends of a system."""
 
     runs: ClassVar[list[tuple[int, int]]] = []
+    remembers: ClassVar[bool] = True
 
     def __init__(self, parts: Sequence[EndBending], first_point: Sequence[int], first_rotation: Sequence[int],
                  sea: Any, gravity: float) -> None:  # fmt: skip

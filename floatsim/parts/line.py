@@ -363,6 +363,7 @@ class LineBatch:
             index = np.array(members, dtype=np.int64)
             law = sections[members[0]].axial_law
             self.laws.append((law, index, law.bind(np.ascontiguousarray(self.P[index, CA])), np.zeros((3, len(index)))))
+        self.remembers = bool(self.laws)
         self.rough = bool(self.P[:, MU_A : MU_N + 1].any())
 
     def _breaks(self) -> None:

@@ -56,6 +56,7 @@ class PointMassBatch:
     """All point masses of a system."""
 
     runs: ClassVar[list[tuple[int, int]]] = []
+    remembers: ClassVar[bool] = False
 
     def __init__(self, parts: Sequence[PointMass], first_point: Sequence[int], first_rotation: Sequence[int],
                  sea: Any, gravity: float) -> None:  # fmt: skip

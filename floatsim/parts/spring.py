@@ -121,6 +121,7 @@ class SpringBatch:
     """All springs of a system."""
 
     runs: ClassVar[list[tuple[int, int]]] = []
+    remembers: ClassVar[bool] = True
 
     def __init__(self, parts: Sequence[Spring], first_point: Sequence[int], first_rotation: Sequence[int],
                  sea: Any, gravity: float) -> None:  # fmt: skip

@@ -9,6 +9,7 @@ What a batch offers the system (the protocol; a part's description names its bat
     bind(slots)                 slots of those tables, in the same order
     add(work)                   add matrix entries, residual, force sizes
     begin(work, history, t)     optional: what is constant during a step
+    remembers                   whether commits or outputs need the evaluation of the accepted state itself
     error(history, work)        optional: local error of the step just made over what is allowed
     start(state) -> history     optional: its memory, committed by commit(history, work) only when a
                                 step is accepted
@@ -104,6 +105,7 @@ class System:
         self.waves = None if sea.waves is None else sea.waves.realise(sea.depth, model.gravity)
         wet = [batch.wet_points for batch in self.batches if hasattr(batch, "wet_points")]
         self.wet_points = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *wet]))
+        self.remembers = any(batch.remembers for batch in self.batches)
         self._ahead = np.zeros((self.n_point + 1, 3))
         self.length = self._extent()
         rank_check(self)
