@@ -46,6 +46,9 @@ def end_bending(x, R, v, c, where, E, tables, slots, rates, f, Kb, Cb, K, A, r, 
     base = 3 * x.shape[0]
     zero = (0.0, 0.0, 0.0)
     for e in range(where.shape[0]):
+        if E[e, 0] == 0.0 and E[e, 1] == 0.0:  # the line has parted there
+            moment[e, 0] = moment[e, 1] = moment[e, 2] = 0.0
+            continue
         k, p0, p1 = where[e, 0], where[e, 1], where[e, 2]
         da = rotate(R, k, (E[e, 2], E[e, 3], E[e, 4]))
         w = at(v, base + 3 * k)
@@ -156,6 +159,8 @@ class EndBendingBatch:
             E.append((EI / (0.5 * l0), section.bending_damping / (0.5 * l0), *e))
         self.where = np.array(where, dtype=np.int64)
         self.E = np.array(E, dtype=float)
+        self._whole = self.E[:, :2].copy()
+        self._may_part = any(numbering.part(part.end)[0].breaks for part in self.parts)
         self.tables = pad_tables(tables)
 
     def dofs(self, n_point: int) -> list[Index]:
@@ -166,5 +171,7 @@ class EndBendingBatch:
         (self._slots,) = slots
 
     def add(self, w: Any) -> None:
+        if self._may_part:
+            self.E[:, :2] = np.where(w.cut[self.where[:, 1], None], 0.0, self._whole)
         end_bending(w.x, w.R, w.v, w.c, self.where, self.E, self.tables, self._slots, self._rates, self._f, self._Kb,
                     self._Cb, self._K, w.A, w.r, w.s, self.moment)  # fmt: skip

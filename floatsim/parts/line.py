@@ -25,7 +25,9 @@ from floatsim.parts.bending import line_bending
 from floatsim.parts.element import (
     CA,
     COLUMNS,
+    DRY,
     ENGINEERING,
+    GRAVITY,
     GREEN,
     LAW,
     LIVE,
@@ -45,6 +47,7 @@ from floatsim.parts.shapes import hanging_arc
 Index = NDArray[np.int64]
 
 STRAIN_ERROR = 0.02  # of a line's largest tension so far: local error of a step that is allowed
+NO_LESS = 0.1  # of a line's weight in air: what counts as its largest tension while it lies or floats slack
 _SAMPLES = (np.arange(8) + 0.5) / 8.0  # of a half element, for what a stiffener adds to it
 
 
@@ -405,9 +408,12 @@ class LineBatch:
         d = np.diff(state.x[self.nodes], axis=1)[:, 0]
         stick[:, 3:] = np.repeat(d / np.linalg.norm(d, axis=1)[:, None], 2, axis=0)
         self._old, self._h = [law.start(self._s[index]) for law, index, _, _ in self.laws], -1.0
+        if self.laws:
+            self._special(state.x, state.v)
         tension = np.tile(self.tension(state), (3, 1))
         tension[2] = 1.0  # what was before is as good as long ago
-        largest = np.zeros(len(self.parts))
+        weight = np.bincount(self._line_of, 2.0 * self.env[GRAVITY] * self.P[:, DRY], len(self.parts))
+        largest = NO_LESS * weight
         np.maximum.at(largest, self._line_of, np.abs(tension[0]))
         return {
             "t": state.t, "broken": np.zeros(len(self.breaks), dtype=bool), "stick": stick, "laws": self._old,
@@ -419,9 +425,14 @@ class LineBatch:
         self._h = -1.0 if w.still else t - history["t"]
         self._stick = history["stick"]
         self._old = history["laws"]
-        for e, pairs, broken in zip(self.break_element, self.break_pairs, history["broken"], strict=True):
-            self.P[e, LIVE] = 0.0 if broken else 1.0
-            self.B[pairs] = 0.0 if broken else self._whole[pairs]
+        if self.breaks:
+            self.P[self.break_element, LIVE] = 1.0
+            np.copyto(self.B, self._whole)
+            w.cut[self.nodes[self.break_element]] = False
+            for k in np.flatnonzero(history["broken"]):  # after all are whole: two breaks may share an element
+                self.P[self.break_element[k], LIVE] = 0.0
+                self.B[self.break_pairs[k]] = 0.0
+                w.cut[self.nodes[self.break_element[k]]] = True
 
     def add(self, w: Any) -> None:
         if self.laws:
@@ -454,6 +465,11 @@ class LineBatch:
         old = history["tension"]
         return float(step_error(self._tension, old, STRAIN_ERROR, self._line_of, w.t - history["t"],
                                 history["largest"], self._largest))  # fmt: skip
+
+    def hold_back(self, w: Any, before: dict[str, Any], after: dict[str, Any]) -> None:
+        """Stick points of an equilibrium with friction: the old ones, dragged along by halves that slid."""
+        np.copyto(after["stick"], before["stick"])
+        drag_stick_points(w.x, w.v, self.nodes, self.P, self.bed, self.grid, after["stick"])
 
     def commit(self, history: dict[str, Any], w: Any) -> None:
         """Take in the accepted step; `w.event` says that something broke."""
@@ -489,8 +505,6 @@ class LineBatch:
     def tension(self, w: Any) -> Array:
         """Effective tension of all elements [N], shape (n_elements of all lines,), before the step is committed."""
         out = np.empty(len(self.nodes))
-        if self.laws:
-            self._special(w.x, w.v)
         stretches(w.x, w.v, self.nodes, self.P, self._s, self._rate)
         tensions(self.nodes, self.P, self.special, self._s, self._rate, out)
         return out

@@ -94,6 +94,7 @@ class _Relaxation:
         w.v[:] = 0.0
         w.a[:] = 0.0
         w.still = True
+        self._friction = friction
         w.c[7] = float(friction)
         system.begin(w, start, start.t)
         lay, n_dof = system.layout, system.n_dof
@@ -207,14 +208,17 @@ class _Relaxation:
         w.a[:] = 0.0
 
     def result(self) -> State:
-        """The equilibrium as a state at rest, with fresh memories."""
+        """The equilibrium as a state at rest, with fresh memories but for what friction holds."""
         w, state = self.work, self.start
         for name in ("x", "q", "lam"):
             np.copyto(getattr(state, name), getattr(w, name))
         for name in ("v", "a", "aux"):
             getattr(state, name)[:] = 0.0
         state.step = 0.0
+        before = state.history
         self.system.forget(state)
+        if self._friction:
+            self.system.hold_back(w, before, state.history)
         return state
 
     def report(self, iterations: int, converged: bool, reason: str = "") -> StaticReport:

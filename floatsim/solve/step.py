@@ -140,13 +140,16 @@ class Stepper:
     # -- one step -----------------------------------------------------------------------------
 
     def step(self, state: State, h: float, control: float | None = None) -> StepReport:
-        """Advance `state` by h in place if the step converges; leave it untouched if not.
+        """Advance `state` by h in place if the step converges; leave it where it is if not.
 
+        A state never stepped, or one in which a line just broke (step 0), gets consistent accelerations first.
         control: the local error that is allowed, over what batches think right (1; inf only measures it); None: not
         looked at.
         """
         w, sys, sch = self.work, self.system, self.scheme
-        if state.step != h and state.step > 0.0:
+        if state.step == 0.0:
+            self.start(state, h)
+        if state.step != h:
             # aux belongs to t + (am - af) h: move it along the true acceleration's slope. What velocities
             # leave open of the constraints goes with h^2 (see `start`); left alone, a multiplier errs by O(h)
             aux0 = state.a + (h / state.step) * (state.aux - state.a)
@@ -174,9 +177,8 @@ class Stepper:
             for name in ("x", "q", "v", "a", "aux", "lam"):
                 np.copyto(getattr(state, name), getattr(w, name))
             state.step = h
-            if w.event:  # something broke: accelerations jump
-                w.event = False
-                self.start(state, h)
+            if w.event:  # something broke: accelerations jump, and the next step starts afresh
+                w.event, state.step = False, 0.0
         return report
 
     def _newton(self, state: State, h: float, v0: Array, aux0: Array) -> StepReport:
@@ -208,7 +210,7 @@ class Stepper:
             advance(d, y, w.lam, w.c[3], sys.n_point + 1, big)
             increment_ok = big[0] <= 0.02 * big[1] + 1e-7 * length and big[2] <= 0.02 * big[3] + 1e-7
             # Newton squares the residual: where that is certain to be enough, looking again costs more than it tells
-            square = 10.0 * n[0] * max(n[0], n[0] ** 2 / before**2)
+            square = 10.0 * n[0] * max(n[0], (n[0] / max(before, 1e-30)) ** 2)
             if foresee and square <= self.tolerance and increment_ok and n[2] <= 1e-9 * length and w.trouble is None:
                 kinematics(y, self._k, state.x, state.q, v0, state.a, aux0, w.x, w.q, w.R, w.v, w.a, w.aux)
                 self._expected = 0

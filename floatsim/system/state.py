@@ -40,7 +40,7 @@ class Work:
     """What one evaluation reads and writes; allocated once.
 
     Reads: t, still (statics: no waves, no memory), x, R, v, a, lam, u (fluid velocity at points),
-    du (its acceleration), eta (height of the water surface over points),
+    du (its acceleration), eta (height of the water surface over points), cut (whether a line has parted at a point),
     c = (cM, cC, cK, cG, push, cap, tangent, friction): weights of mass, damping, stiffness and constraints in the
     matrix; the share of a line's axial stiffness that acts in compression and the most it may be [N]: 1 and inf
     outside statics; whether the matrix is asked for (0: residual alone); whether the seabed has friction.
@@ -69,6 +69,7 @@ class Work:
         self.u = np.zeros((n_point + 1, 3))
         self.du = np.zeros((n_point + 1, 3))
         self.eta = np.zeros(n_point + 1)
+        self.cut = np.zeros(n_point + 1, dtype=bool)
         self.c = np.array([0.0, 0.0, 0.0, 0.0, 1.0, np.inf, 1.0, 1.0])
         self.A = np.zeros(size + 1)
         self.r = np.zeros(n)

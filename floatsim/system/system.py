@@ -208,6 +208,12 @@ class System:
         """Start all memories afresh from the state: it has always been at rest there."""
         state.history = {k: b.start(state) for k, b in enumerate(self.batches) if hasattr(b, "start")}
 
+    def hold_back(self, w: Work, before: dict[int, Any], after: dict[int, Any]) -> None:
+        """Statics with friction: what stuck before goes on sticking where it did, dragged along where it slid."""
+        for k, batch in enumerate(self.batches):
+            if hasattr(batch, "hold_back"):
+                batch.hold_back(w, before[k], after[k])
+
     def load(self, w: Work, state: State) -> None:
         """Copy a state into the scratch."""
         w.t = state.t
