@@ -6,6 +6,7 @@ that do not resolve, duplicates, lines that cannot span their ends, ends whose s
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -78,30 +79,27 @@ class Model(Description):
         """
         placed: dict[str, tuple[Array, Array]] = {}
         targets = self.targets()
+        ties: dict[str, list[tuple[str, Any]]] = {}  # part -> (its connection point, what that is tied to)
+        for joint in self.joints:
+            for a, b in joint.ties():
+                for mine, other in ((a, b), (b, a)):
+                    if isinstance(mine, str):
+                        part, _, point = mine.partition(".")
+                        ties.setdefault(part, []).append((point, other))
 
         def where(target: Any) -> Array | None:
             return self._where(target, targets, placed)
 
         while True:
             before = len(placed)
-            for part in self.parts:
-                if part.name not in placed:
-                    result = part.place(self._ends(part, where), self.sea)
+            for item in self.parts:
+                if item.name not in placed:
+                    found = ((point, where(other)) for point, other in ties.get(item.name, ()))
+                    result = item.place({point: x for point, x in found if x is not None}, self.sea)
                     if result is not None:
-                        placed[part.name] = result
+                        placed[item.name] = result
             if len(placed) == before:
                 return placed
-
-    def _ends(self, part: Any, where: Any) -> dict[str, Array]:
-        ends: dict[str, Array] = {}
-        for joint in self.joints:
-            for a, b in joint.ties():
-                for mine, other in ((a, b), (b, a)):
-                    if isinstance(mine, str) and mine.partition(".")[0] == part.name:
-                        point = where(other)
-                        if point is not None:
-                            ends[mine.partition(".")[2]] = point
-        return ends
 
     @staticmethod
     def _where(
@@ -139,8 +137,9 @@ class Model(Description):
         if not self.parts:
             yield "there are no parts"
         names = [part.name for part in self.parts] + [joint.label for joint in self.joints]
-        for name in sorted({n for n in names if names.count(n) > 1}):
-            yield f"the name '{name}' is used {names.count(name)} times; names must differ"
+        for name, times in sorted(Counter(names).items()):
+            if times > 1:
+                yield f"the name '{name}' is used {times} times; names must differ"
         if self.sea.waves is not None and not hasattr(self.sea.waves, "realise"):
             yield (
                 f"Sea: waves: got {self.sea.waves!r}; RegularWave, IrregularWaves(spectrum=..., seed=...) or "

@@ -487,13 +487,9 @@ class _Sources:
 
 def _ties(system: System, point: int) -> list[tuple[int, int]]:
     """(first multiplier, sign) of the joints at a point: what adds up to the force it exerts on them."""
-    found = []
-    for points, _ in system.joint_rows.values():
-        for k in points:
-            w = system.constraints.where[k]
-            if point in (w[0], w[2]):
-                found.append((3 * k, 1 if w[0] == point else -1))
-    return found
+    where = system.constraints.where
+    rows = np.flatnonzero((where[:, 0] == point) | (where[:, 2] == point))
+    return [(3 * int(k), 1 if where[k, 0] == point else -1) for k in rows]
 
 
 def _b_is_upper(system: System, line: Line) -> bool:

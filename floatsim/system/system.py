@@ -306,8 +306,10 @@ class System:
                 return f"{axis} of '{part.name}'{where}"
         return "ground"
 
-    def jacobian(self, w: Work) -> Array:
-        """Dense G (n_con, n_dof) at the configuration in w."""
+    def jacobian(self, w: Work) -> Any:
+        """G (n_con, n_dof) at the configuration in w, as a scipy CSR matrix."""
+        from scipy.sparse import csr_matrix
+
         saved = w.c.copy()
         w.c[:4] = (0.0, 0.0, 0.0, 1.0)
         w.A.fill(0.0)
@@ -315,10 +317,9 @@ class System:
         self.constraints.add(w)
         lay = self.layout
         own = (lay.rows >= self.n_dof) & (lay.cols < self.n_dof)
-        G = np.zeros((self.n_con, self.n_dof))
-        G[lay.rows[own] - self.n_dof, lay.cols[own]] = w.A[lay.slot[own]]
+        entries = w.A[lay.slot[own]], (lay.rows[own] - self.n_dof, lay.cols[own])
         w.c[:] = saved
-        return G
+        return csr_matrix(entries, shape=(self.n_con, self.n_dof))
 
     def row_name(self, k: int | np.integer) -> str:
         """Joint of constraint row k."""
@@ -326,10 +327,13 @@ class System:
 
 
 def rank_check(system: System) -> None:
-    """Redundant joints are found by rank and named; joints open at the drawing position too."""
+    """Redundant joints are found by rank and named; joints open at the drawing position too.
+
+    Rows that share no unknown cannot depend on each other, so that the rank is found island by island.
+    """
     if system.n_con == 0:
         return
-    from scipy.linalg import qr
+    from scipy.sparse.csgraph import connected_components
 
     w = system.work()
     state = system.initial_state()
@@ -337,17 +341,21 @@ def rank_check(system: System) -> None:
     system.constraints.move(0.0)
     G = system.jacobian(w)
     gap = w.r[system.n_dof :]
-    size = np.linalg.norm(G, axis=1)
+    G.eliminate_zeros()
+    size = np.sqrt(np.asarray(G.multiply(G).sum(axis=1)).ravel())
     # rows that constrain nothing but the ground
     problems = []
     dead = sorted({system.row_name(k) for k in np.flatnonzero(size < 1e-12)})
     if dead:
         raise ModelError([f"joint '{name}' ties nothing that can move" for name in dead])
-    _, triangle, order = qr(np.ascontiguousarray((G / size[:, None]).T), mode="economic", pivoting=True)
-    diagonal = np.abs(np.diag(triangle))
-    rank = int(np.sum(diagonal > 1e-9 * diagonal[0]))
-    if rank < system.n_con:
-        names = sorted({system.row_name(k) for k in order[rank:]})
+    _, island = connected_components(G @ G.T, directed=False)
+    order = np.argsort(island, kind="stable")
+    redundant: list[int] = []
+    for rows in np.split(order, np.flatnonzero(np.diff(island[order])) + 1):
+        redundant += [int(k) for k in rows[_dependent(G, rows, size[rows])]]
+    if redundant:
+        rank = system.n_con - len(redundant)
+        names = sorted({system.row_name(k) for k in redundant})
         problems.append(
             f"joints are redundant: {system.n_con} constraint rows, of which only {rank} are independent; "
             f"remove or loosen: {', '.join(repr(n) for n in names)}"
@@ -361,6 +369,22 @@ def rank_check(system: System) -> None:
         )
     if problems:
         raise ModelError([f"Model '{system.model.name}': {p}" for p in problems])
+
+
+def _dependent(G: Any, rows: NDArray[np.int64], size: Array) -> NDArray[np.int64]:
+    """Which of `rows` of the CSR matrix G, of norms `size`, depend on the others."""
+    from scipy.linalg import qr
+
+    if len(rows) == 1:
+        return np.zeros(0, dtype=np.int64)
+    first, last = G.indptr[rows], G.indptr[rows + 1]
+    where = np.concatenate([np.arange(a, b) for a, b in zip(first, last, strict=True)])
+    columns, place = np.unique(G.indices[where], return_inverse=True)
+    block = np.zeros((len(columns), len(rows)))
+    block[place, np.repeat(np.arange(len(rows)), last - first)] = G.data[where]
+    _, triangle, order = qr(block / size, mode="economic", pivoting=True)
+    diagonal = np.abs(np.diag(triangle))
+    return np.asarray(order[np.sum(diagonal > 1e-9 * diagonal[0]) :], dtype=np.int64)
 
 
 def assemble(model: Model) -> System:

@@ -35,8 +35,8 @@ ROW_WAVES = "umbilical, benchmark motion in irregular waves"
 CHANNELS = ["hang_off_force", "umbilical_curvature"]
 
 
-def run_of(model: fs.Model, dt: float, duration: float = DURATION) -> fs.Run:
-    run = fs.simulate(model, duration, dt, interval=0.1, channels=CHANNELS)
+def run_of(model: fs.Model, dt: float, duration: float = DURATION, control: bool = True) -> fs.Run:
+    run = fs.simulate(model, duration, dt, interval=0.1, channels=CHANNELS, step_control=control)
     assert run.status == "done", run.failure
     return run
 
@@ -103,17 +103,20 @@ def test_elements(record):
 
 
 def test_recorded_motion_is_the_benchmark_motion(record, tmp_path):
-    """A recording of the same motion, 0.1 s between samples and 9 digits, gives the same force."""
+    """A recording of the same motion, 0.1 s between samples and 9 digits, gives the same force.
+
+    Without step control: one step more or less after the end of the ramp, where the acceleration jumps, is 0.2 %."""
     motion = umbilical.benchmark_motion((0.0, 0.0, 0.0), 6)
     time = np.arange(0.0, 40.05, 0.1)
     rows = np.column_stack([time, [np.concatenate([motion.translation(t)[0], np.zeros(3)]) for t in time]])
     path = tmp_path / "recorded.txt"
     np.savetxt(path, rows, fmt="%.9f", header="time [s], x, y, z [m], roll, pitch, yaw [deg]", delimiter=", ")
     force = [
-        run_of(umbilical.build(motion=name), 0.1, 38.0).series("hang_off_force") for name in ("benchmark", str(path))
+        run_of(umbilical.build(motion=name), 0.1, 38.0, False).series("hang_off_force")
+        for name in ("benchmark", str(path))
     ]
     apart = np.linalg.norm(force[0] - force[1], axis=1)[10:].max() / np.linalg.norm(force[0], axis=1).mean()
-    record(ROW, "recorded motion against the functions: largest difference of the force", 100.0 * apart, 0.1, "%")
+    record(ROW, "recorded motion against the functions: largest difference of the force", 100.0 * apart, 0.01, "%")
 
 
 @pytest.mark.parametrize("rows", ["1 2 3\n2 3 4\n", "one two\n", None])
