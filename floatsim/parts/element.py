@@ -246,6 +246,49 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
 
 
 @kernel
+def expected_tension(x, d, part, nodes, P, special, c, T):  # type: ignore[no-untyped-def]
+    """Tensions T (n_el) that the linear step `part` d from x (n_point, 3) leads to if nothing turns."""
+    for e in range(nodes.shape[0]):
+        i, j = nodes[e, 0], nodes[e, 1]
+        y = minus(vec(x, j), vec(x, i))
+        l = math.sqrt(dot(y, y))
+        T0, Ts, _ = axial(P, special, e, l / P[e, L0], 0.0, c[5], c[4])
+        T[e] = T0 + part * Ts * dot(y, minus(at(d, 3 * j), at(d, 3 * i))) / (l * P[e, L0])
+
+
+@kernel
+def largest_turn(x, d, nodes):  # type: ignore[no-untyped-def]
+    """Largest angle [rad] by which the linear step d turns an element, for small ones."""
+    top = 0.0
+    for e in range(nodes.shape[0]):
+        i, j = nodes[e, 0], nodes[e, 1]
+        y, dy = minus(vec(x, j), vec(x, i)), minus(at(d, 3 * j), at(d, 3 * i))
+        square = dot(y, y)
+        across = minus(dy, times(dot(y, dy) / square, y))
+        top = max(top, dot(across, across) / square)
+    return math.sqrt(top)
+
+
+@kernel
+def exchange_tension(x, nodes, P, special, c, T, slots, A):  # type: ignore[no-untyped-def]
+    """Let the lateral stiffness in A be that of the tensions T instead of those at x."""
+    for e in range(nodes.shape[0]):
+        i, j = nodes[e, 0], nodes[e, 1]
+        y = minus(vec(x, j), vec(x, i))
+        l = math.sqrt(dot(y, y))
+        t = times(1.0 / l, y)
+        own, _, _ = axial(P, special, e, l / P[e, L0], 0.0, c[5], c[4])
+        k = (T[e] - own) / l
+        for m in range(3):
+            for n in range(3):
+                q = k * ((1.0 if m == n else 0.0) - t[m] * t[n])
+                A[slots[e, 6 * m + n]] += q
+                A[slots[e, 6 * m + n + 3]] -= q
+                A[slots[e, 6 * m + n + 18]] -= q
+                A[slots[e, 6 * m + n + 21]] += q
+
+
+@kernel
 def step_error(tension, old, limit, line_of, h, scale, largest):  # type: ignore[no-untyped-def]
     """Largest |T - T_extrapolated| over `limit` times the line's largest tension so far.
 

@@ -29,12 +29,17 @@ from floatsim.parts.element import (
     ENGINEERING,
     GRAVITY,
     GREEN,
+    L0,
     LAW,
     LIVE,
     MU_A,
     MU_N,
     SPECIAL,
+    WATER,
     drag_stick_points,
+    exchange_tension,
+    expected_tension,
+    largest_turn,
     line_elements,
     step_error,
     stretches,
@@ -47,6 +52,7 @@ from floatsim.parts.shapes import hanging_arc
 Index = NDArray[np.int64]
 
 STRAIN_ERROR = 0.02  # of a line's largest tension so far: local error of a step that is allowed
+PRESSED = 0.01  # share of its length by which a line may be drawn too short
 NO_LESS = 0.1  # of a line's weight in air: what counts as its largest tension while it lies or floats slack
 _SAMPLES = (np.arange(8) + 0.5) / 8.0  # of a half element, for what a stiffener adds to it
 
@@ -254,12 +260,12 @@ class Line(Part):
             return None
         a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
         s = self.arc_length
-        x = self._arc(a, b, sea) if self.shape is None else self.shape.points(a, b, s, sea.depth, self)
+        x = self.arc(a, b, sea) if self.shape is None else self.shape.points(a, b, s, sea.depth, self)
         if self.form == "ball_joints":
             x = np.repeat(x, 2, axis=0)[1:-1]
         return x, np.empty((0, 3, 3))
 
-    def _arc(self, a: Array, b: Array, sea: Any) -> Array:
+    def arc(self, a: Array, b: Array, sea: Any) -> Array:
         """A hanging arc; a line that floats in water bulges upwards."""
         if max(a[2], b[2]) > 0.0 or self.wet_weight(sea.density, 1.0) @ self.element_lengths > 0.0:
             return hanging_arc(a, b, self.arc_length, sea.depth)
@@ -318,6 +324,7 @@ class LineBatch:
         self._laws()
         self._breaks()
         self.env = np.array([sea.density, gravity])
+        self._sea = sea
         self.bed, self.grid = sea.seabed.parameters(sea.depth)
         self.runs = [(p0 + 1, line.elements - 1) for line, p0 in zip(parts, first_point, strict=True)
                      if line.form == "shared" and line.elements > 1]  # fmt: skip
@@ -492,6 +499,42 @@ class LineBatch:
         for (law, _, _, new), old in zip(self.laws, history["laws"], strict=True):
             if law.memory:
                 np.copyto(old, new)
+
+    # -- what statics ask of slender things ----------------------------------------------------
+
+    @property
+    def lengths(self) -> Array:
+        """Unstretched lengths of all elements [m]."""
+        return self.P[:, L0]
+
+    def weight_in_water(self) -> float:
+        """Of all lines, what sinks and what floats alike [N]."""
+        return float(2.0 * np.abs(self.P[:, DRY] - self.P[:, WATER]).sum() * self.env[GRAVITY])
+
+    def let_out(self, state: Any) -> None:
+        """Lines that are drawn shorter than they are, by PRESSED, become arcs of their length.
+
+        Compressed like that they would buckle, and how they do decides which equilibrium they find.
+        """
+        for line, where in zip(self.parts, self.nodes_of, strict=True):
+            x = state.x[where]
+            if np.linalg.norm(np.diff(x, axis=0), axis=1).sum() < (1.0 - PRESSED) * line.length:
+                state.x[where] = line.arc(x[0], x[-1], self._sea)
+                if line.form == "ball_joints":
+                    first = where[0]
+                    state.x[first : first + line.n_points] = np.repeat(state.x[where], 2, axis=0)[1:-1]
+
+    def largest_turn(self, w: Any, d: Array) -> float:
+        """Largest angle [rad] by which the linear step d turns an element."""
+        return float(largest_turn(w.x, d, self.nodes))
+
+    def expected_tension(self, w: Any, d: Array, part: float, T: Array) -> None:
+        """Into T: tensions that the linear step `part` d leads to if nothing turns."""
+        expected_tension(w.x, d, part, self.nodes, self.P, self.special, w.c, T)
+
+    def exchange_tension(self, w: Any, T: Array) -> None:
+        """Let the lateral stiffness in the matrix be that of the tensions T instead of the present ones."""
+        exchange_tension(w.x, self.nodes, self.P, self.special, w.c, T, self._slots, w.A)
 
     # -- results ------------------------------------------------------------------------------
 

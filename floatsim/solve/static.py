@@ -9,17 +9,26 @@ method (pseudo-transient continuation, Kelley & Keyes 1998). Steps are limited i
 the residual falls and shrinks when a step would fold or explode something. Minutes of explicit
 relaxation become some hundred factorisations.
 
-Two things make the way from a crude shape hard. Lines are so stiff that swinging by a tenth of an element
-length strains them by more than their weight ever will: they start with EA capped at 25 times all loads on points,
-strains of some 2 %, and get it back in steps. And compression along a straight line *is* an equilibrium,
-only an unstable one: until the shape has settled they push with a small share of EA. That keeps slack lines from it,
-not a vertical line a little longer than its span; `natural_modes` refuses an unstable equilibrium, this solve does not.
+Lines are so stiff that a step which turns an element by a tenth of a radian strains it by more than its weight ever
+will. That strain is of second order and the next step takes it away, but the tension it makes for the moment would hold
+the line sideways as if it were a rod. So the lateral stiffness T/l is taken with the tension that the linear step
+expects instead of the one at its end (the mixed iteration of Magisano, Leonetti & Garcea 2017, Computer Methods in
+Applied Mechanics and Engineering 313, which converges to the same equilibrium); and because the residual right after a
+step says little, a step is taken back only if that explodes, and h is never made smaller after a step that hardly
+turned anything.
+
+From a crude shape lines start with EA capped at 25 times all loads on points, strains of some 2 %, and get it back in
+steps. Compression along a straight line, and a line folded back on itself, *are* equilibria, only unstable ones: until
+the shape has settled lines push with a small share of EA, and where a balance is folded they are shaken a little. That
+does not find every unstable equilibrium (a vertical line a little longer than its span); `natural_modes` refuses
+those, this solve does not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -32,13 +41,17 @@ from floatsim.system.system import System
 
 TOLERANCE = 1e-8  # residual over the sum of forces at the same point
 LOOSE, PATIENCE = 1e-6, 300  # what is enough after so many iterations: slack on the bed, barely in balance at all
+OF_WEIGHT = 1e-7  # and then no more than this of all lines' weight: residuals are relative to rounding as well
 SETTLED = 1e-3  # the same for a softened law
-MAX_ITERATIONS = 3000  # for each of PUSHES
+MAX_ITERATIONS = 1200  # for each of PUSHES
 H_START, H_SMALLEST, H_LARGEST, H_SWITCH = 0.05, 1e-4, 1e6, 1.0  # s; the last: largest when the law changes
-WORSE = 30.0  # growth of the unbalance at which a step is taken back
+WORSE = 1e4  # growth of the unbalance at which a step is taken back
 STALLED = 60  # iterations without a better balance after which h starts small again
-PUSHES = (1e-3, 1e-1)  # share of EA in compression until the shape has settled; the second if the first fails
+PUSHES = (1e-3, 1e-1, 1e-2)  # share of EA in compression until the shape has settled; the next if one fails
 CAP, CAP_GROWTH, CAP_STEPS = 25.0, 30.0, 6  # of EA, over all loads on points; its growth from step to step
+TURN, CALM = 1.0, 0.1  # rad; most a step may turn an element of a line, and a step that is linear to all intents
+NEAR, TRUST = 1e-2, 200  # residual (as TOLERANCE) at which the start is the equilibrium, nearly; iterations it is given
+KICKS, KICK = 3, 0.02  # how often a folded balance is left; by this share of the elements' length
 
 
 @dataclass(frozen=True)
@@ -66,27 +79,45 @@ def solve_static(
     Returns the state at rest and the report. Raises SolveFailed naming the worst unknown and the
     likely cause if it does not converge.
     """
-    start = system.initial_state() if state is None else state.copy()
-    for push in PUSHES:
+    if state is not None:
+        start = state.copy()
+    else:
+        start = system.initial_state()
+        for batch in _slender(system):
+            batch.let_out(start)
+        system.forget(start)
+    iterations = 0
+    for push in (None, *PUSHES):
         relax = _Relaxation(system, start, hold, push, friction)
-        for iteration in range(1, MAX_ITERATIONS + 1):
+        if push is None and not friction and not relax.near():
+            continue  # with friction there is a way from the old equilibrium, which a softer law would leave
+        for _ in range(TRUST if push is None else MAX_ITERATIONS):
+            iterations += 1
             relax.evaluate()
-            if relax.balanced(iteration):
-                if relax.true_law and relax.polished():
-                    return relax.result(), relax.report(iteration, True)
-                if not relax.true_law:
+            if relax.balanced(iterations):
+                if not relax.true_law and relax.work.trouble is None:
                     relax.stiffen()
+                elif not relax.true_law or relax.polished():
+                    if relax.work.trouble is None:
+                        return relax.result(), relax.report(iterations, True)
+                    if not relax.kick():
+                        break
             elif relax.worse():
                 relax.back()
             elif not relax.forward():
-                return relax.fail(iteration, "the stiffness matrix is singular: something is free to drift")
-    return relax.fail(MAX_ITERATIONS * len(PUSHES), relax.work.trouble or "no convergence")
+                return relax.fail(iterations, "the stiffness matrix is singular: something is free to drift")
+    return relax.fail(iterations, relax.why())
+
+
+def _slender(system: System) -> list[Any]:
+    """Batches of lines (protocol: system/system.py)."""
+    return [batch for batch in system.batches if hasattr(batch, "exchange_tension")]
 
 
 class _Relaxation:
     """The state of a static solve: configuration, step size h, and the law that lines follow for the moment."""
 
-    def __init__(self, system: System, start: State, hold: Sequence[str], push: float, friction: bool) -> None:
+    def __init__(self, system: System, start: State, hold: Sequence[str], push: float | None, friction: bool) -> None:
         self.system, self.start = system, start
         self.linear = LinearSolver(system.layout)
         self.work = w = system.work()
@@ -110,15 +141,36 @@ class _Relaxation:
         self.h, self._reach = H_START, 0.02 * system.length
         self._size = 1.0  # of the constraint rows: that of the matrix they border
         self._polished = False
+        self._lines = [(batch, np.zeros(len(batch.nodes))) for batch in _slender(system)]  # with expected tensions
+        self._free = np.flatnonzero(np.repeat(system.free_points()[: system.n_point], 3))
+        self._weight = float(sum(batch.weight_in_water() for batch, _ in self._lines))  # or what floats them [N]
+        self._expected = False  # whether they are those of the last step
+        self._kicks = 0
         w.c[:6] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # loads alone: no axial force yet
+        w.lam[:] = 0.0
         system.evaluate(w)
-        w.c[4:6] = push, CAP * max(float(w.s[system.free_points()].sum()), 1e-9)
-        self._caps = CAP_STEPS
+        self._soft = (push, CAP * max(float(np.abs(w.r[self._free]).sum()), 1e-9))
+        np.copyto(w.lam, start.lam)
+        self._caps = 0
+        w.c[4:6] = 1.0, np.inf
+        if push is not None:
+            self._soften()
 
     @property
     def true_law(self) -> bool:
         """Whether lines follow their own law by now."""
         return bool(self.work.c[4] == 1.0)
+
+    def _soften(self) -> None:
+        self.work.c[4:6] = self._soft
+        self._caps, self._polished = CAP_STEPS, False
+
+    def near(self) -> bool:
+        """Whether the start is the equilibrium of the true law, nearly: a restart, or a good drawing."""
+        self.evaluate()
+        self.h = H_SWITCH
+        balanced = self._norms[0] <= NEAR and self._largest() <= NEAR**2 * self._weight
+        return bool(balanced and self._norms[2] <= 1e-6 * self.system.length)
 
     def evaluate(self) -> None:
         """Residual and matrix here."""
@@ -127,6 +179,8 @@ class _Relaxation:
         sys.flow(w, w.x, w.t)  # a current may change with depth
         sys.evaluate(w)
         w.r[self._held] = 0.0
+        for batch, T in self._lines if self._expected else ():
+            batch.exchange_tension(w, T)
         self._entries = np.abs(w.A[self._diagonal])
         w.A[self._held_slots] += 1e12 * self._entries.max(initial=1.0)
         norms(w.r, w.s, sys.n_point, sys.n_dof, self._size, self._norms)
@@ -140,11 +194,17 @@ class _Relaxation:
         final = TOLERANCE if iteration < PATIENCE else LOOSE
         e = self._norms
         closed = e[2] <= 1e-10 * self.system.length
-        return bool(e[0] <= (final if self.true_law else SETTLED) and closed and self.work.trouble is None)
+        if final == LOOSE and self.true_law and e[0] > TOLERANCE and self._largest() > OF_WEIGHT * self._weight:
+            return False
+        return bool(e[0] <= (final if self.true_law else SETTLED) and closed)
+
+    def _largest(self) -> float:
+        """Largest unbalanced force [N] at a point of a line or a point mass."""
+        return float(np.abs(self.work.r[self._free]).max(initial=0.0))
 
     def stiffen(self) -> None:
         """One step from the softened law towards the true one."""
-        c = self.work.c
+        c, self._expected = self.work.c, False
         if self._caps > 0:
             self._caps -= 1
             c[5] *= CAP_GROWTH
@@ -174,22 +234,34 @@ class _Relaxation:
         x, q, lam = self._last
         self._configure(self._zero, x, q)
         np.copyto(self.work.lam, lam)
-        self.h, self._before = 0.2 * self.h, np.inf
+        self.h, self._before, self._expected = 0.2 * self.h, np.inf, False
 
     def forward(self) -> bool:
-        """One limited step; h grows as the residual falls (switched evolution relaxation). False if singular."""
+        """One limited step; h grows as the residual falls (switched evolution relaxation). False if singular.
+
+        A step that hardly turns any element never makes h smaller: what it leaves unbalanced is axial, from lengths
+        changed in second order, and gone with the next.
+        """
         w, d, n_dof = self.work, self._d, self.system.n_dof
         if not np.isfinite(self._unbalance) or not self.linear.solve(w.A, w.r, d):
-            return False
+            if self.h <= H_SMALLEST:
+                return False
+            self.back()
+            return True
         move = float(np.abs(d[self._points]).max(initial=0.0))
         turn = float(np.abs(d[self._turns]).max(initial=0.0))
         part = min(1.0, self._reach / max(move, 1e-300), 0.1 / max(turn, 1e-300))
+        swing = max((batch.largest_turn(w, d) for batch, _ in self._lines), default=1.0)
+        part = min(part, TURN / max(swing, 1e-300))
+        for batch, T in self._lines:
+            batch.expected_tension(w, d, part, T)
+        self._expected = True
         for kept, value in zip(self._last, (w.x, w.q, w.lam), strict=True):
             np.copyto(kept, value)
         self._configure(part * d[:n_dof], self._last[0], self._last[1])
         w.lam += part * self._size * d[n_dof:]
         fall = self._before / max(self._unbalance, 1e-300)
-        fall = min(max(fall, 0.5), 2.0) if np.isfinite(fall) else 1.2
+        fall = min(max(fall, 0.5 if part * swing > CALM else 1.0), 2.0) if np.isfinite(fall) else 1.2
         self.h = min(max(self.h * 1.1 * fall * part, H_SMALLEST), H_LARGEST)
         self._before = self._unbalance
         self._stalled += 1
@@ -206,6 +278,34 @@ class _Relaxation:
         kinematics(y, np.array([1.0, 0.25, 0.5, 0.0, 0.0]), x, q, zero, zero, zero, w.x, w.q, w.R, w.v, w.a, w.aux)
         w.v[:] = 0.0
         w.a[:] = 0.0
+
+    def kick(self) -> bool:
+        """Leave an unstable balance of lines: soft again, all nodes displaced a little; False if that was done enough.
+
+        The displacements are drawn from a fixed seed: the same model gives the same result.
+        """
+        if self._kicks >= KICKS:
+            return False
+        self._kicks += 1
+        draw = np.random.default_rng(self._kicks)
+        size = np.zeros(self.system.n_point + 1)
+        for batch, _ in self._lines:
+            size[batch.nodes] = KICK * batch.lengths[:, None]
+        y = np.zeros(self.system.n_dof)
+        y[: 3 * len(size) - 3] = (size[:-1, None] * draw.standard_normal((len(size) - 1, 3))).ravel()
+        y[self._held] = 0.0
+        self._configure(y, self.work.x.copy(), self.work.q.copy())
+        self._soften()
+        self._before = self._best = np.inf
+        self._stalled, self._expected, self.h = 0, False, H_START
+        return True
+
+    def why(self) -> str:
+        """What kept it from its equilibrium, as far as that is known."""
+        folded = self.work.trouble
+        if folded is None:
+            return "no convergence"
+        return f"{folded}: elements there are too long for the bend, shorten them (or set EI = 0 for a limp line)"
 
     def result(self) -> State:
         """The equilibrium as a state at rest, with fresh memories but for what friction holds."""

@@ -27,10 +27,12 @@ def draw_section(rng, kind, drag):
         return section("chain", 0.87 * 19.9e3 * d * d * G, 19.9e3 * d * d * G, 8.54e10 * d * d, drag=drag)
     if kind == "wire":
         d = rng.uniform(0.05, 0.14)
-        return section("wire", 3.0e3 * d * d * G, 4.0e3 * d * d * G, 4.0e10 * d * d, rng.choice([0.0, 1e9 * d**4]), drag)
+        return section("wire", 3.0e3 * d * d * G, 4.0e3 * d * d * G, 4.0e10 * d * d, rng.choice([0.0, 1e9 * d**4]),
+                       drag)
     if kind == "polyester":
         d = rng.uniform(0.08, 0.25)
-        return section("polyester", 0.2e3 * d * d * G, 0.8e3 * d * d * G, 1.1e9 * d * d * rng.uniform(1.0, 3.0), 0.0, drag)
+        return section("polyester", 0.2e3 * d * d * G, 0.8e3 * d * d * G, 1.1e9 * d * d * rng.uniform(1.0, 3.0), 0.0,
+                       drag)
     dry = between(rng, 100.0, 1200.0)
     EI = rng.choice([0.0, between(rng, 1e2, 1e5)], p=[0.15, 0.85])
     if kind == "buoyant":
@@ -85,13 +87,15 @@ def catenary(rng):
     clamped = line.pieces[0].section.EI > 0.0 and rng.random() < 0.3
     joints = [fs.Ball(a="line.end_a", b=tuple(low)), end_joint(rng, "line.end_b", top, clamped, np.array([0, 0, -1.0]))]
     return fs.Model(parts=[line], joints=joints,
-                    sea=fs.Sea(depth=depth, current=draw_current(rng, depth), seabed=fs.Seabed(slope=slope)))  # fmt: skip
+                    sea=fs.Sea(depth=depth, current=draw_current(rng, depth),
+                               seabed=fs.Seabed(slope=slope)))  # fmt: skip
 
 
 def between_bodies(rng):
     """A cable hanging in a U between two floaters, some clamped; some lie on the bed."""
     depth, X = between(rng, 40.0, 1000.0), between(rng, 20.0, 600.0)
-    a, b = np.array([0.0, 0.0, -rng.uniform(0.0, 20.0)]), np.array([X, 0.3 * X * rng.uniform(-1, 1), -rng.uniform(0.0, 20.0)])
+    a = np.array([0.0, 0.0, -rng.uniform(0.0, 20.0)])
+    b = np.array([X, 0.3 * X * rng.uniform(-1, 1), -rng.uniform(0.0, 20.0)])
     length = slackness(rng) * float(np.linalg.norm(b - a))
     sec = draw_section(rng, rng.choice(["cable", "chain", "buoyant"], p=[0.6, 0.2, 0.2]), 1.2)
     clamped = sec.EI > 0.0 and rng.random() < 0.4
