@@ -92,7 +92,7 @@ def test_hung_in_a_current(n, record):
     """The bag leans downstream: its rim carries drag along the current, weight upwards, nothing across.
 
     A few slack meshes are pushed together. A limp line of two elements that is pushed gives way to one side or the
-    other, so the bag as a whole is the same left and right of the current, those meshes (6 elements of 1680) are not."""
+    other, so the bag as a whole is alike left and right of the current, those meshes (6 elements of 1680) are not."""
     row = f"{ROW.format(n=n)}, slack, current {SPEED} m/s"
     system, state, report = solved(n=n, current=fs.Current(speed=SPEED))
     W, force = weight(system), rim_force(system, state)
