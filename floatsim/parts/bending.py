@@ -33,89 +33,88 @@ def from_table(tables, row, theta):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def bend(k, cb, tables, row, ta, ia, tb, ib, va, vb, c, f, K):  # type: ignore[no-untyped-def]
+def table_slopes(tables, row, co, y):  # type: ignore[no-untyped-def]
+    """(dU/dcos, d2U/dcos2) from a row of the moment tables; y: squared sine."""
+    f1, f2 = half_angle_squared(co, y)
+    sine = math.sqrt(y)
+    theta = math.atan2(sine, co)
+    M, slope = from_table(tables, row, theta)
+    if theta <= tables[row, 0, 1]:  # on the first stretch M is proportional to theta
+        return slope * f1, slope * f2
+    return -M / sine, (slope * sine - M * co) / (sine * y)
+
+
+@kernel
+def bend(h1, h2, cb, co, ta, ia, tb, ib, va, vb, cK, cC):  # type: ignore[no-untyped-def]
     """Bending between element a of direction t_a and length 1/i_a and element b, rates v_a and v_b of d_a and d_b.
 
-    k [N m], cb [N m s]; row >= 0: a row of the moment tables instead of k. f (6): gradient by (d_a, d_b);
-    K (6, 6): c[2] times its derivative by (d_a, d_b) plus c[1] times that by their rates. Returns the cosine.
+    h1, h2: first and second derivative of the energy by the cosine co; cb [N m s]. Returns g_a, g_b (the gradient by
+    d_a and d_b is h g_a, h g_b), h, and the coefficients of `blocks`. Numbers only: an array handed to a function that
+    is not inlined costs as much as the bending.
     """
-    co = dot(ta, tb)
-    sx = cross(ta, tb)
-    y = dot(sx, sx)  # squared sine
-    f1, f2 = half_angle_squared(co, y)
-    h1, h2 = k * f1, k * f2  # dU/dcos, d2U/dcos2
-    if row >= 0:
-        sine = math.sqrt(y)
-        theta = math.atan2(sine, co)
-        M, slope = from_table(tables, row, theta)
-        h1, h2 = slope * f1, slope * f2
-        if theta > tables[row, 0, 1]:  # beyond the first stretch M is not proportional to theta
-            h1 = -M / sine
-            h2 = (slope * sine - M * co) / (sine * y)
     ga = times(ia, (tb[0] - co * ta[0], tb[1] - co * ta[1], tb[2] - co * ta[2]))  # dcos/dd_a
     gb = times(ib, (ta[0] - co * tb[0], ta[1] - co * tb[1], ta[2] - co * tb[2]))
-    cK, y2 = c[2], c[2] * h2
-    D = rate = 1.0
+    y2, yc = cK * h2, 0.0
+    ha, hb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     if cb > 0.0:
         rate = dot(ga, va) + dot(gb, vb)
         D = 1.0 - co * co + _STRAIGHT * _STRAIGHT
         q = cb * rate / D
         h1 += q
-        y2 += 2.0 * cK * q * co / D + c[1] * cb / D
-    for m in range(3):
-        f[m] = h1 * ga[m]
-        f[m + 3] = h1 * gb[m]
-    if c[6] == 0.0:
-        return co
-    y1 = cK * h1
-    za, zb, zab = y1 * ia, y1 * ib, y1 * ia * ib
-    ca, cb2 = za * co * ia, zb * co * ib
-    for m in range(3):
-        for n in range(m + 1):
-            aa = y2 * ga[m] * ga[n] - za * (ta[m] * ga[n] + ga[m] * ta[n]) + ca * ta[m] * ta[n]
-            bb = y2 * gb[m] * gb[n] - zb * (tb[m] * gb[n] + gb[m] * tb[n]) + cb2 * tb[m] * tb[n]
-            if m == n:
-                aa -= ca
-                bb -= cb2
-            K[m, n] = K[n, m] = aa
-            K[m + 3, n + 3] = K[n + 3, m + 3] = bb
-        for n in range(3):
-            ab = y2 * ga[m] * gb[n] - zab * tb[m] * tb[n] - za * ta[m] * gb[n]
-            if m == n:
-                ab += zab
-            K[m, n + 3] = K[n + 3, m] = ab
-    if cb > 0.0:  # the rate of the cosine depends on the configuration: g (H v)^T
-        _rate_tangent(cK * cb / D, ia, ib, co, ta, tb, ga, gb, va, vb, K)
-    return co
+        y2 += 2.0 * cK * q * co / D + cC * cb / D
+        yc = cK * cb / D
+        ha, hb = _rate_turns(ia, ib, co, ta, tb, ga, gb, va, vb)
+    za, zb = cK * h1 * ia, cK * h1 * ib
+    return h1, ga, gb, (y2, yc, za, zb, za * ib, za * co * ia, zb * co * ib), ha, hb
 
 
 @kernel
-def _rate_tangent(y, ia, ib, co, ta, tb, ga, gb, va, vb, K):  # type: ignore[no-untyped-def]
-    for n in range(3):
-        hv_a = hv_b = 0.0
-        for m in range(3):
-            e = 1.0 if m == n else 0.0
-            aa = -ia * (ta[m] * ga[n] + ga[m] * ta[n] + co * ia * (e - ta[m] * ta[n]))
-            bb = -ib * (tb[m] * gb[n] + gb[m] * tb[n] + co * ib * (e - tb[m] * tb[n]))
-            ab = ia * (ib * (e - tb[m] * tb[n]) - ta[m] * gb[n])
-            ba = ia * (ib * (e - tb[n] * tb[m]) - ta[n] * gb[m])
-            hv_a += aa * va[m] + ba * vb[m]
-            hv_b += ab * va[m] + bb * vb[m]
-        for m in range(3):
-            K[m, n] += y * ga[m] * hv_a
-            K[m, n + 3] += y * ga[m] * hv_b
-            K[m + 3, n] += y * gb[m] * hv_a
-            K[m + 3, n + 3] += y * gb[m] * hv_b
+def _rate_turns(ia, ib, co, ta, tb, ga, gb, va, vb):  # type: ignore[no-untyped-def]
+    """(H v)_a and (H v)_b with the Hessian H of the cosine: how its rate changes with d_a and d_b."""
+    av, bv, tav, tbv = dot(ga, va), dot(gb, vb), dot(ta, va), dot(tb, vb)
+    abv = dot(tb, va)
+    ha0 = -ia * (ta[0] * av + ga[0] * tav + co * ia * (va[0] - ta[0] * tav))
+    ha1 = -ia * (ta[1] * av + ga[1] * tav + co * ia * (va[1] - ta[1] * tav))
+    ha2 = -ia * (ta[2] * av + ga[2] * tav + co * ia * (va[2] - ta[2] * tav))
+    hb0 = -ib * (tb[0] * bv + gb[0] * tbv + co * ib * (vb[0] - tb[0] * tbv))
+    hb1 = -ib * (tb[1] * bv + gb[1] * tbv + co * ib * (vb[1] - tb[1] * tbv))
+    hb2 = -ib * (tb[2] * bv + gb[2] * tbv + co * ib * (vb[2] - tb[2] * tbv))
+    # mixed block ia (ib (I - t_b t_b^T) - t_a g_b^T) on v_b, and its transpose on v_a
+    ha = (
+        ha0 + ia * (ib * (vb[0] - tb[0] * tbv) - ta[0] * bv),
+        ha1 + ia * (ib * (vb[1] - tb[1] * tbv) - ta[1] * bv),
+        ha2 + ia * (ib * (vb[2] - tb[2] * tbv) - ta[2] * bv),
+    )
+    hb = (
+        hb0 + ia * (ib * (va[0] - tb[0] * abv) - gb[0] * tav),
+        hb1 + ia * (ib * (va[1] - tb[1] * abv) - gb[1] * tav),
+        hb2 + ia * (ib * (va[2] - tb[2] * abv) - gb[2] * tav),
+    )
+    return ha, hb
 
 
 @kernel
-def line_bending(x, v, c, pairs, B, tables, slots, direct, step, f, K, A, r, s):  # type: ignore[no-untyped-def]
+def blocks(m, n, z, ta, tb, ga, gb, ha, hb):  # type: ignore[no-untyped-def]
+    """Entries (m, n) of c_K K + c_C C by (d_a, d_a), (d_a, d_b), (d_b, d_a), (d_b, d_b); the rest from `bend`."""
+    y2, yc, za, zb, zab, ca, cb = z
+    e = 1.0 if m == n else 0.0
+    aa = y2 * ga[m] * ga[n] - za * (ta[m] * ga[n] + ga[m] * ta[n]) + ca * (ta[m] * ta[n] - e) + yc * ga[m] * ha[n]
+    bb = y2 * gb[m] * gb[n] - zb * (tb[m] * gb[n] + gb[m] * tb[n]) + cb * (tb[m] * tb[n] - e) + yc * gb[m] * hb[n]
+    mixed = zab * (e - tb[m] * tb[n])
+    ab = y2 * ga[m] * gb[n] + mixed - za * ta[m] * gb[n] + yc * ga[m] * hb[n]
+    ba = y2 * gb[m] * ga[n] + mixed - za * gb[m] * ta[n] + yc * gb[m] * ha[n]
+    return aa, ab, ba, bb
+
+
+@kernel
+def line_bending(x, v, c, pairs, B, tables, slots, direct, step, K, A, r, s):  # type: ignore[no-untyped-def]
     """Bending at every node between two elements; returns the index of a folded pair, or -1.
 
     pairs (n, 5): points of element a and of element b, row of the moment tables or -1; B (n, 2): k [N m], damping
     [N m s]. slots (n, 144) into A; where direct >= 0, the nine unknowns of the three points stand in a band: entry
-    (m, n) at direct + m step + n. Scratch: f (6), K (6, 6).
+    (m, n) at direct + m step + n. K (6, 6) scratch.
     """
+    cC, cK, tangent = c[1], c[2], c[6] != 0.0
     folded = last0 = last1 = -1
     tb, ib, vb = (0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0)
     for e in range(pairs.shape[0]):
@@ -132,23 +131,51 @@ def line_bending(x, v, c, pairs, B, tables, slots, direct, step, f, K, A, r, s):
         ib = 1.0 / math.sqrt(dot(d, d))
         tb, vb = times(ib, d), minus(at(v, 3 * j1), at(v, 3 * j0))
         last0, last1 = j0, j1
-        co = bend(k, damping, tables, pairs[e, 4], ta, ia, tb, ib, va, vb, c, f, K)
+        co = dot(ta, tb)
+        sx = cross(ta, tb)
+        y = dot(sx, sx)
+        h1, h2 = half_angle_squared(co, y)
+        h1, h2 = k * h1, k * h2
+        if pairs[e, 4] >= 0:
+            h1, h2 = table_slopes(tables, pairs[e, 4], co, y)
+        h, ga, gb, z, ha, hb = bend(h1, h2, damping, co, ta, ia, tb, ib, va, vb, cK, cC)
         if co < _FOLDED:
             folded = e
+        size = 0.0
         for m in range(3):
-            r[3 * i0 + m] -= f[m]
-            r[3 * i1 + m] += f[m]
-            r[3 * j0 + m] -= f[m + 3]
-            r[3 * j1 + m] += f[m + 3]
-        size = abs(f[0]) + abs(f[1]) + abs(f[2]) + abs(f[3]) + abs(f[4]) + abs(f[5])
+            fa, fb = h * ga[m], h * gb[m]
+            r[3 * i0 + m] -= fa
+            r[3 * i1 + m] += fa
+            r[3 * j0 + m] -= fb
+            r[3 * j1 + m] += fb
+            size += abs(fa) + abs(fb)
         s[i0] += size
         s[i1] += size
         s[j0] += size
         s[j1] += size
-        if c[6] == 0.0:
+        if not tangent:
             continue
         o = direct[e]
         if o >= 0:  # from derivatives by d_a = x1 - x0 and d_b = x2 - x1 to those by x0, x1, x2
+            # `blocks`, written out: a call with all its numbers costs three times what it does
+            y2, yc, za, zb, zab, ca, cb = z
+            for m in range(3):
+                for n in range(3):
+                    e1 = 1.0 if m == n else 0.0
+                    own_a = za * (ta[m] * ga[n] + ga[m] * ta[n]) - ca * (ta[m] * ta[n] - e1)
+                    own_b = zb * (tb[m] * gb[n] + gb[m] * tb[n]) - cb * (tb[m] * tb[n] - e1)
+                    mixed = zab * (e1 - tb[m] * tb[n])
+                    K[m, n] = y2 * ga[m] * ga[n] - own_a
+                    K[m, n + 3] = y2 * ga[m] * gb[n] + mixed - za * ta[m] * gb[n]
+                    K[m + 3, n] = y2 * gb[m] * ga[n] + mixed - za * gb[m] * ta[n]
+                    K[m + 3, n + 3] = y2 * gb[m] * gb[n] - own_b
+            if yc != 0.0:
+                for m in range(3):
+                    for n in range(3):
+                        K[m, n] += yc * ga[m] * ha[n]
+                        K[m, n + 3] += yc * ga[m] * hb[n]
+                        K[m + 3, n] += yc * gb[m] * ha[n]
+                        K[m + 3, n + 3] += yc * gb[m] * hb[n]
             for m in range(3):
                 p0 = o + m * step
                 p1, p2 = p0 + 3 * step, p0 + 6 * step
@@ -164,11 +191,11 @@ def line_bending(x, v, c, pairs, B, tables, slots, direct, step, f, K, A, r, s):
                     A[p2 + n + 3] += ba - bb
                     A[p2 + n + 6] += bb
         else:
-            for bm in range(4):
-                for bn in range(4):
-                    sign = 1.0 if (bm + bn) % 2 == 0 else -1.0
-                    for m in range(3):
-                        for n in range(3):
-                            y = K[3 * (bm // 2) + m, 3 * (bn // 2) + n]
-                            A[slots[e, 12 * (3 * bm + m) + 3 * bn + n]] += sign * y
+            for m in range(3):
+                for n in range(3):
+                    q = blocks(m, n, z, ta, tb, ga, gb, ha, hb)
+                    for bm in range(4):
+                        for bn in range(4):
+                            sign = 1.0 if (bm + bn) % 2 == 0 else -1.0
+                            A[slots[e, 12 * (3 * bm + m) + 3 * bn + n]] += sign * q[2 * (bm // 2) + bn // 2]
     return folded

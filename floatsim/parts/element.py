@@ -73,20 +73,28 @@ def wet_share(z1, z2, h):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def axial(P, special, e, s, rate, cap, push):  # type: ignore[no-untyped-def]
-    """(T, dT/ds, dT/drate) of element e. special (3, n): results of laws that ran before. cap, push: see `Work`."""
-    law = P[e, LAW]
+def linear(law, EA, c, s, rate):  # type: ignore[no-untyped-def]
+    """(T, dT/ds, dT/drate) of the laws that need nothing but numbers."""
     if law == GREEN:
-        T, Ts, Tr = green(P[e, EA], P[e, CA], s, rate)
-    elif law == ENGINEERING:
-        T, Ts, Tr = engineering(P[e, EA], P[e, CA], s, rate)
-    else:
-        T, Ts, Tr = special[0, e], special[1, e], special[2, e]
-    part = P[e, LIVE]
-    if cap < P[e, EA]:
-        part *= cap / P[e, EA]
-    if s < 1.0:
-        part *= push
+        return green(EA, c, s, rate)
+    return engineering(EA, c, s, rate)
+
+
+@kernel
+def share(s, EA, live, cap, push):  # type: ignore[no-untyped-def]
+    """What of an element's tension counts: nothing where it has parted, in statics less (cap, push: see `Work`)."""
+    if cap < EA:
+        live *= cap / EA
+    return live * push if s < 1.0 else live
+
+
+@kernel
+def axial(P, special, e, s, rate, cap, push):  # type: ignore[no-untyped-def]
+    """(T, dT/ds, dT/drate) of element e. special (3, n): results of laws that ran before."""
+    part = share(s, P[e, EA], P[e, LIVE], cap, push)
+    if P[e, LAW] == SPECIAL:
+        return part * special[0, e], part * special[1, e], part * special[2, e]
+    T, Ts, Tr = linear(P[e, LAW], P[e, EA], P[e, CA], s, rate)
     return part * T, part * Ts, part * Tr
 
 
@@ -115,9 +123,9 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
     x (n_point, 3), v and a (flat), u and du (n_point, 3) velocity and acceleration of the fluid, eta (n_point) height
     of the surface; c: see `Work`; nodes (n_el, 2); P (n_el, COLUMNS); bed, grid: sea/seabed.py; stick (2 n_el, 6);
     slots (n_el, 36) into A; where direct >= 0 the six unknowns stand in a band: entry (m, n) at direct + m step + n;
-    Ke (6, 6) scratch. Adds to A, residual r and force scale s.
+    Ke (9, 6) scratch. Adds to A, residual r and force scale s.
     """
-    cM, cC, cK, tangent = c[0], c[1], c[2], c[6] != 0.0
+    cM, cC, cK, push, cap, tangent = c[0], c[1], c[2], c[4], c[5], c[6] != 0.0
     g = env[GRAVITY]
     plane, slope_x, slope_y, stiffness, damping, slip = bed[0], bed[1], bed[2], bed[3], bed[4], bed[5]
     uneven, rough = grid.shape[0] > 0, c[7] != 0.0
@@ -130,7 +138,13 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
         l0 = P[e, L0]
         dv = minus(at(v, 3 * j), at(v, 3 * i))
         along = dot(t, dv)
-        T, Ts, Tr = axial(P, special, e, l / l0, along / l0, c[5], c[4])
+        stretch = l / l0
+        if P[e, LAW] == SPECIAL:  # `axial`, without handing its arrays on
+            T, Ts, Tr = special[0, e], special[1, e], special[2, e]
+        else:
+            T, Ts, Tr = linear(P[e, LAW], P[e, EA], P[e, CA], stretch, along / l0)
+        part = share(stretch, P[e, EA], P[e, LIVE], cap, push)
+        T, Ts, Tr = part * T, part * Ts, part * Tr
         for m in range(3):
             r[3 * i + m] -= T * t[m]
             r[3 * j + m] += T * t[m]
@@ -144,10 +158,7 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
                     k = main * t[m] * t[n] + turn * t[m] * (dv[n] - along * t[n])
                     if m == n:
                         k += side
-                    Ke[m, n] = k
-                    Ke[m, n + 3] = -k
-                    Ke[m + 3, n] = -k
-                    Ke[m + 3, n + 3] = k
+                    Ke[m + 6, n] = k  # each half takes it from here
         phi, phi1, phi2 = wet_share(x1[2] - eta[i], x2[2] - eta[j], P[e, DIA])
         dry, mf, mn, cn, ct = P[e, DRY], P[e, WATER], P[e, ADDED_N], P[e, DRAG_N], P[e, DRAG_T]
         dm = P[e, ADDED_T] - mn
@@ -157,7 +168,7 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
         s[j] += size
         for k in range(2):
             p = i if k == 0 else j
-            b = 3 * k
+            b, other, sign = 3 * k, 3 - 3 * k, 2.0 * k - 1.0
             acc, vel, flow = at(a, 3 * p), at(v, 3 * p), vec(du, p)
             if phi > 0.0:
                 w, ar = minus(vec(u, p), vel), minus(acc, flow)
@@ -188,9 +199,9 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
                             E = 1.0 if m == n else 0.0
                             bn = ba * (ar[n] - at_ * t[n]) + bw * wn[n]
                             q = alpha * (E - t[m] * t[n]) + t[m] * bn + gamma * wn[m] * wn[n]
-                            Ke[b + m, n] -= q
-                            Ke[b + m, n + 3] += q
-                            Ke[b + m, b + n] += own * E + tt * t[m] * t[n] + ww * wn[m] * wn[n]
+                            q = sign * q + Ke[m + 6, n]
+                            Ke[b + m, other + n] = -q
+                            Ke[b + m, b + n] = q + own * E + tt * t[m] * t[n] + ww * wn[m] * wn[n]
                     if phi1 != 0.0 or phi2 != 0.0:
                         for m in range(3):
                             y = cK * (y0 if m == 0 else (y1 if m == 1 else y2))
@@ -199,7 +210,9 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
             else:
                 for m in range(3):
                     r[3 * p + m] += dry * (acc[m] + (g if m == 2 else 0.0))
-                    Ke[b + m, b + m] += cM * dry
+                    for n in range(3):
+                        Ke[b + m, other + n] = -Ke[m + 6, n]
+                        Ke[b + m, b + n] = Ke[m + 6, n] + (cM * dry if m == n else 0.0)
             # the seabed under this half
             here = x1 if k == 0 else x2
             z, zx, zy = plane + slope_x * here[0] + slope_y * here[1], slope_x, slope_y
@@ -289,21 +302,31 @@ def exchange_tension(x, nodes, P, special, c, T, slots, A):  # type: ignore[no-u
 
 
 @kernel
-def step_error(tension, old, limit, line_of, h, scale, largest):  # type: ignore[no-untyped-def]
-    """Largest |T - T_extrapolated| over `limit` times the line's largest tension so far.
+def step_error(x, v, nodes, P, special, old, limit, line_of, h, scale, largest, tension):  # type: ignore[no-untyped-def]
+    """Largest |T - T_extrapolated| over `limit` times the line's largest tension so far; tension (n): T.
 
     old (3, n): tension before the step, at the step before, and the size of that step; scale (n_line): largest tension
     before the step, largest (n_line): with it.
     """
-    worst = 0.0
     for k in range(scale.shape[0]):
         largest[k] = scale[k]
-    for e in range(tension.shape[0]):
-        before = old[2, e]
-        ahead = old[0, e] + (old[0, e] - old[1, e]) * h / before
+    for e in range(nodes.shape[0]):
+        i, j = nodes[e, 0], nodes[e, 1]
+        d = minus(vec(x, j), vec(x, i))
+        l, l0 = math.sqrt(dot(d, d)), P[e, L0]
+        if P[e, LAW] == SPECIAL:
+            T = special[0, e]
+        else:
+            rate = dot(d, minus(at(v, 3 * j), at(v, 3 * i))) / (l * l0)
+            T, _, _ = linear(P[e, LAW], P[e, EA], P[e, CA], l / l0, rate)
+        T *= P[e, LIVE]
+        tension[e] = T
         k = line_of[e]
-        largest[k] = max(largest[k], abs(tension[e]))
-        worst = max(worst, abs(tension[e] - ahead) / max(limit * largest[k], 1e-300))
+        largest[k] = max(largest[k], abs(T))
+    worst = 0.0
+    for e in range(nodes.shape[0]):
+        ahead = old[0, e] + (old[0, e] - old[1, e]) * h / old[2, e]
+        worst = max(worst, abs(tension[e] - ahead) / max(limit * largest[line_of[e]], 1e-300))
     return worst
 
 

@@ -18,8 +18,9 @@ from floatsim.description import Vector3
 from floatsim.errors import ModelError
 from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
+from floatsim.laws.angle import half_angle_squared
 from floatsim.laws.moment_table import pad_tables, pair_table
-from floatsim.parts.bending import bend
+from floatsim.parts.bending import bend, blocks, table_slopes
 from floatsim.parts.line import Line
 from floatsim.parts.part import Part
 
@@ -40,7 +41,7 @@ class EndBending(Part):
 
 
 @kernel
-def end_bending(x, R, v, c, where, E, tables, slots, rates, f, Kb, Cb, K, A, r, s, moment):  # type: ignore[no-untyped-def]
+def end_bending(x, R, v, c, where, E, tables, slots, Kb, Cb, K, A, r, s, moment):  # type: ignore[no-untyped-def]
     """where (n, 4): rotation, end point, next point, row of the moment tables or -1; E (n, 5): k, damping, direction.
     moment (n, 3): on the body."""
     base = 3 * x.shape[0]
@@ -57,18 +58,28 @@ def end_bending(x, R, v, c, where, E, tables, slots, rates, f, Kb, Cb, K, A, r, 
         db = minus(vec(x, p1), vec(x, p0))
         ib = 1.0 / math.sqrt(dot(db, db))
         tb = times(ib, db)
-        if E[e, 1] > 0.0:  # derivatives by the rates alone, for the turning of the direction
-            bend(E[e, 0], E[e, 1], tables, where[e, 3], da, 1.0, tb, ib, va, vb, rates, f, Cb)
-        bend(E[e, 0], E[e, 1], tables, where[e, 3], da, 1.0, tb, ib, va, vb, c, f, Kb)
-        fa = (f[0], f[1], f[2])
+        co = dot(da, tb)
+        sx = cross(da, tb)
+        y = dot(sx, sx)
+        h1, h2 = half_angle_squared(co, y)
+        h1, h2 = E[e, 0] * h1, E[e, 0] * h2
+        if where[e, 3] >= 0:
+            h1, h2 = table_slopes(tables, where[e, 3], co, y)
+        h, ga, gb, z, ha, hb = bend(h1, h2, E[e, 1], co, da, 1.0, tb, ib, va, vb, c[2], c[1])
+        _, _, _, zr, _, _ = bend(0.0, 0.0, E[e, 1], co, da, 1.0, tb, ib, va, vb, 0.0, 1.0)  # by the rates alone
+        for i in range(3):
+            for n in range(3):
+                Kb[i, n], Kb[i, n + 3], Kb[i + 3, n], Kb[i + 3, n + 3] = blocks(i, n, z, da, tb, ga, gb, ha, hb)
+                Cb[i, n], _, Cb[i + 3, n], _ = blocks(i, n, zr, da, tb, ga, gb, zero, zero)
+        fa, fb = times(h, ga), times(h, gb)
         m = cross(da, fa)
         for i in range(3):
             r[base + 3 * k + i] += m[i]
-            r[3 * p0 + i] -= f[3 + i]
-            r[3 * p1 + i] += f[3 + i]
+            r[3 * p0 + i] -= fb[i]
+            r[3 * p1 + i] += fb[i]
             s[x.shape[0] + k] += abs(m[i])
-            s[p0] += abs(f[3 + i])
-            s[p1] += abs(f[3 + i])
+            s[p0] += abs(fb[i])
+            s[p1] += abs(fb[i])
             moment[e, i] = -m[i]
         if c[6] == 0.0:
             continue
@@ -122,8 +133,7 @@ class EndBendingBatch:
                  sea: Any, gravity: float) -> None:  # fmt: skip
         self.parts = tuple(parts)
         self.moment = np.zeros((len(self.parts), 3))
-        self._f, self._Kb, self._Cb, self._K = np.zeros(6), np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((9, 9))
-        self._rates = np.array([0.0, 1.0, 0.0, 0.0, 1.0, np.inf, 1.0, 1.0])
+        self._Kb, self._Cb, self._K = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((9, 9))
 
     def connect(self, numbering: Any) -> None:
         """Resolve the line ends; ModelError if an end is not a line's, its section has no EI or `to` no rotation."""
@@ -173,5 +183,5 @@ class EndBendingBatch:
     def add(self, w: Any) -> None:
         if self._may_part:
             self.E[:, :2] = np.where(w.cut[self.where[:, 1], None], 0.0, self._whole)
-        end_bending(w.x, w.R, w.v, w.c, self.where, self.E, self.tables, self._slots, self._rates, self._f, self._Kb,
+        end_bending(w.x, w.R, w.v, w.c, self.where, self.E, self.tables, self._slots, self._Kb,
                     self._Cb, self._K, w.A, w.r, w.s, self.moment)  # fmt: skip

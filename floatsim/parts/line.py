@@ -329,7 +329,7 @@ class LineBatch:
         self.runs = [(p0 + 1, line.elements - 1) for line, p0 in zip(parts, first_point, strict=True)
                      if line.form == "shared" and line.elements > 1]  # fmt: skip
         self.wet_points = np.unique(self.nodes)
-        self._Ke, self._K, self._f = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros(6)
+        self._Ke = np.zeros((9, 6))
         n = len(self.nodes)
         self._s, self._rate, self.special = np.zeros(n), np.zeros(n), np.zeros((3, n))
         self._stick = np.zeros((2 * n, 6))
@@ -449,7 +449,7 @@ class LineBatch:
                       w.s)  # fmt: skip
         if len(self._bend_slots):
             folded = line_bending(w.x, w.v, w.c, self.pairs, self.B, self.tables, self._bend_slots, self._bend_direct,
-                                  self._bend_step, self._f, self._K, w.A, w.r, w.s)  # fmt: skip
+                                  self._bend_step, self._Ke, w.A, w.r, w.s)  # fmt: skip
             if folded >= 0:
                 w.trouble = f"line '{self.name_at(folded)}' is folded back on itself"
 
@@ -467,11 +467,9 @@ class LineBatch:
         The error is what extrapolating the last two tensions misses: its size tells whether the step resolves how
         the tension changes, also where Newton converges happily on a step that smears a snap.
         """
-        stretches(w.x, w.v, self.nodes, self.P, self._s, self._rate)
-        tensions(self.nodes, self.P, self.special, self._s, self._rate, self._tension)
-        old = history["tension"]
-        return float(step_error(self._tension, old, STRAIN_ERROR, self._line_of, w.t - history["t"],
-                                history["largest"], self._largest))  # fmt: skip
+        return float(step_error(w.x, w.v, self.nodes, self.P, self.special, history["tension"], STRAIN_ERROR,
+                                self._line_of, w.t - history["t"], history["largest"], self._largest,
+                                self._tension))  # fmt: skip
 
     def hold_back(self, w: Any, before: dict[str, Any], after: dict[str, Any]) -> None:
         """Stick points of an equilibrium with friction: the old ones, dragged along by halves that slid."""
