@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import sys
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +66,7 @@ def benchmark_motion(start: tuple[float, float, float] = HANG_OFF, columns: int 
     x0, y0, z0 = start
     still = (0.0,) * (columns - 3)
 
+    @lru_cache(maxsize=1)  # asked three times for each instant
     def ramp(t: float) -> tuple[float, float, float]:
         """r and its first two derivatives."""
         if t >= RAMP:
@@ -72,6 +74,7 @@ def benchmark_motion(start: tuple[float, float, float] = HANG_OFF, columns: int 
         n = math.pi / RAMP
         return 0.5 * (1.0 - math.cos(n * t)), 0.5 * n * math.sin(n * t), 0.5 * n * n * math.cos(n * t)
 
+    @lru_cache(maxsize=1)
     def swing(t: float) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
         """(x, z) at full amplitude and the first two derivatives."""
         s1, c1, s2, c2 = math.sin(w1 * t), math.cos(w1 * t), math.sin(w2 * t), math.cos(w2 * t)
