@@ -126,9 +126,10 @@ class Description(BaseModel):
     def __init__(self, /, *args: Any, **data: Any) -> None:
         if args:
             cls = type(self)
+            first = next((f"{name}=..., ..." for name in cls.model_fields), "")
             raise ModelError(
                 f"{cls.__name__}: got {_short(args[0])} without a name; arguments are given by name: "
-                f"{cls.__name__}({next(iter(cls.model_fields))}=..., ...)"
+                f"{cls.__name__}({first})"
             )
         try:
             super().__init__(**data)
@@ -173,8 +174,9 @@ def _sentences(cls: type[BaseModel], data: dict[str, Any], error: ValidationErro
     refused: dict[str, tuple[str, list[str]]] = {}  # argument -> what was got, what is allowed
     for item in error.errors():
         # parts of unions and keys of dictionaries are pydantic's business, not the user's
-        where = ".".join(str(part) for part in item["loc"] if "[" not in str(part))
         kind, context = item["type"], item.get("ctx", {})
+        branch = context.get("class_name")
+        where = ".".join(str(part) for part in item["loc"] if "[" not in str(part) and part != branch)
         if kind == "extra_forbidden":
             lines.append(f"{label}: unknown argument '{where}'{nearest(where, cls.model_fields)}")
         elif kind == "missing":

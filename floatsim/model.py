@@ -153,6 +153,8 @@ class Model(Description):
             yield f"{who}: there is no connection point '{t}'{nearest(t, targets)}"
         if unknown:
             return
+        for part in self.parts:
+            yield from part.held_wrongly(self.joints)
         to_itself = [*self._to_itself(ends, targets)]
         yield from to_itself or self._misplaced(targets)
 

@@ -92,7 +92,10 @@ class Motion:
         continuous; a way too short for two ramps takes shorter ones. The way to let a line find its shape dynamically,
         by leading its end from where it hangs simply to where it belongs, and to pay out slow offsets.
         """
-        a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+        try:
+            a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+        except (TypeError, ValueError):
+            a = b = np.zeros(0)
         good = a.shape == b.shape == (3,) and bool(np.isfinite([a, b]).all())
         if not good or not is_number(speed) or not speed > 0.0 or not is_number(ramp) or not ramp > 0.0:
             raise ModelError(

@@ -9,6 +9,8 @@ again a table. The section's EI is not used where a table is given.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from pydantic import model_validator
 
@@ -28,8 +30,11 @@ class MomentTable(Description):
         if len(x) != len(y) or len(x) < 2:
             raise ValueError(f"curvature has {len(x)} values and moment {len(y)}; both need the same, at least two")
         for name, row in (("curvature", x), ("moment", y)):
-            if row[0] != 0.0 or not all(a < b for a, b in zip(row[:-1], row[1:], strict=True)):
-                raise ValueError(f"{name}: got {list(row)}; the values must start at 0 and rise")
+            if row[0] != 0.0:
+                raise ValueError(f"{name}: the first value is {row[0]:g}; the values must start at 0 and rise")
+            for a, b in pairwise(row):
+                if not a < b:
+                    raise ValueError(f"{name}: {a:g} is followed by {b:g}; the values must start at 0 and rise")
         return self
 
     @property

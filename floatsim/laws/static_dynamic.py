@@ -83,6 +83,16 @@ class StaticDynamic(Description):
         rising("strain", self.strain, "tension", self.tension)
         if self.permanent_share >= 1.0:
             raise ValueError(f"permanent_share is {self.permanent_share:g}; below 1 is allowed")
+        if self.working_exponent < 1.0:
+            raise ValueError(f"working_exponent is {self.working_exponent:g}; at least 1 is allowed, below it a slack "
+                             "rope would be stiffest")  # fmt: skip
+        for T, slope in zip(self.tension[:-1], np.diff(self.tension) / np.diff(self.strain), strict=True):
+            if self.dynamic_stiffness + self.per_tension * max(T, 0.0) < slope * (1.0 - 1e-9):
+                raise ValueError(
+                    f"the dynamic stiffness is {self.dynamic_stiffness + self.per_tension * max(T, 0.0):g} N at "
+                    f"{T:g} N, the static curve's slope there {slope:g} N; the dynamic one must not be less, the rope "
+                    "would give out energy"
+                )
         return self
 
     @property

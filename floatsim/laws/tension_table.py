@@ -9,6 +9,7 @@ so that statics of a slack rope are not singular).
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -47,14 +48,22 @@ def rising(name: str, x: tuple[float, ...], y_name: str, y: tuple[float, ...]) -
     """Raises ValueError unless x rises, y does not fall, and both have the same length of at least two."""
     if len(x) != len(y) or len(x) < 2:
         raise ValueError(f"{name} has {len(x)} values and {y_name} {len(y)}; both need the same number, at least two")
-    if not all(a < b for a, b in zip(x[:-1], x[1:], strict=True)):
-        raise ValueError(f"{name}: got {list(x)}; the values must rise")
-    if not all(a <= b for a, b in zip(y[:-1], y[1:], strict=True)) or y[0] == y[-1]:
-        raise ValueError(f"{y_name}: got {list(y)}; the values must rise, a rope that softens to less has no balance")
+    for a, b in pairwise(x):
+        if not a < b:
+            raise ValueError(f"{name}: {a:g} is followed by {b:g}; the values must rise")
+    for a, b in pairwise(y):
+        if a > b:
+            raise ValueError(
+                f"{y_name}: {a:g} is followed by {b:g}; the values must not fall, a rope that pulls less the longer "
+                "it is has no balance"
+            )
+    if y[0] == y[-1]:
+        raise ValueError(f"{y_name}: all values are {y[0]:g}; they must rise somewhere")
 
 
 class TensionTable(Description):
-    """strain [-] (engineering) and tension [N], n values each; damping is the section's axial_damping."""
+    """strain [-] (engineering, rising) and tension [N] (not falling), as many values of each, at least two; damping
+    is the section's."""
 
     strain: Series
     tension: Series

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from floatsim.description import Items, Name, Vector3
-from floatsim.errors import ModelError
+from floatsim.errors import ModelError, nearest
 from floatsim.frames import Array
 from floatsim.laws.engineering import Engineering
 from floatsim.laws.moment_table import MomentTable, pad_tables, pair_table
@@ -46,7 +46,7 @@ from floatsim.parts.element import (
     tensions,
 )
 from floatsim.parts.part import Anchor, Part
-from floatsim.parts.section import Attachment, BendStiffener, Break, Piece, Section
+from floatsim.parts.section import MAX_ELEMENTS, Attachment, BendStiffener, Break, Piece, Section
 from floatsim.parts.shapes import hanging_arc
 
 Index = NDArray[np.int64]
@@ -83,19 +83,29 @@ class Line(Part):
 
     def __init__(self, /, *args: Any, **data: Any) -> None:
         one = ("section", "length", "elements")
-        given = [name for name in one if name in data]
-        if given and "pieces" not in data:
-            own = {name: data.pop(name) for name in given}
+        label = f"Line '{data['name']}'" if isinstance(data.get("name"), str) else "Line"
+        own = {name: data.pop(name) for name in one if name in data}
+        strange = [name for name in data if name not in type(self).model_fields]
+        problems = [f"{label}: unknown argument '{name}'{nearest(name, (*type(self).model_fields, *one))}"
+                    for name in strange]  # fmt: skip
+        data = {name: value for name, value in data.items() if name not in strange}
+        if own and "pieces" in data:
+            problems.append(f"{label}: got pieces and {', '.join(own)}; these belong to each Piece then")
+        elif own:
             try:
                 data["pieces"] = (Piece(**own),)
             except ModelError as error:
-                label = f"Line '{data['name']}'" if isinstance(data.get("name"), str) else "Line"
-                problems = [label + line.removeprefix("Piece") for line in error.problems]
-                try:  # what else is wrong with it
-                    super().__init__(*args, **(data | {"pieces": ()}))
-                except ModelError as more:
-                    problems += more.problems
-                raise ModelError(problems) from None
+                problems += [label + line.removeprefix("Piece") for line in error.problems]
+        elif not args and "pieces" not in data:
+            problems.append(f"{label}: it is made of nothing; give section, length and elements, or pieces=[...]")
+        elif isinstance(data.get("pieces"), list | tuple | np.ndarray) and len(data["pieces"]) == 0:
+            problems.append(f"{label}: pieces: got none; give at least one Piece(section=, length=, elements=)")
+        if problems:
+            try:  # what else is wrong with it
+                super().__init__(*args, **(data | {"pieces": ()}))
+            except ModelError as more:
+                problems += more.problems
+            raise ModelError(problems)
         super().__init__(*args, **data)
 
     @model_validator(mode="after")
@@ -103,23 +113,42 @@ class Line(Part):
         for name, kind in (("pieces", Piece), ("attachments", Attachment), ("breaks", Break)):
             for item in getattr(self, name):
                 if not isinstance(item, kind):
-                    raise ValueError(f"{name}: got {item!r}; a list of {kind.__name__}(...) is allowed")
+                    raise ValueError(f"{name}: got {item!r:.60}; a list of {kind.__name__}(...) is allowed")
+        if isinstance(self.shape, type) or (self.shape is not None and not hasattr(self.shape, "points")):
+            raise ValueError(f"shape: got {self.shape!r:.60}; a shape such as Catenary() is allowed, or None")
+        names = [item.name for item in self.attachments]
+        for name in sorted({n for n in names if names.count(n) > 1}):
+            raise ValueError(f"attachments: the name '{name}' is used {names.count(name)} times; names must differ")
         if not self.pieces:
-            return self  # said above, with what is wrong
+            return self  # refused by __init__
+        if self.elements > MAX_ELEMENTS:
+            raise ValueError(f"its pieces have {self.elements} elements together; at most {MAX_ELEMENTS} are allowed")
         for item in (*self.attachments, *self.breaks):
             if item.at > self.length * (1.0 + 1e-9):
-                raise ValueError(
-                    f"{type(item).__name__} at {item.at:g} m; the line is {self.length:g} m long (measured from end a)"
-                )
-        names = [item.name for item in self.attachments]
-        for name in {n for n in names if names.count(n) > 1}:
-            raise ValueError(f"attachments: the name '{name}' is used {names.count(name)} times; names must differ")
-        for end, stiffener in (("stiffener_a", self.stiffener_a), ("stiffener_b", self.stiffener_b)):
-            if stiffener is not None and stiffener.length > self.length:
-                raise ValueError(f"{end} is {stiffener.length:g} m long, the line only {self.length:g} m")
-        if self.shape is not None and not hasattr(self.shape, "points"):
-            raise ValueError(f"shape: got {self.shape!r}; one of floatsim.parts.shapes is allowed, or None")
+                what = f"attachment '{item.name}'" if isinstance(item, Attachment) else "a break"
+                raise ValueError(f"{what} is at {item.at:g} m; the line is {self.length:g} m long, measured from end_a")
+        self._check_stiffeners()
         return self
+
+    def _check_stiffeners(self) -> None:
+        """Raises ValueError for stiffeners that are too long, overlap, or lie over a moment table."""
+        own = (("stiffener_a", self.stiffener_a, self.pieces), ("stiffener_b", self.stiffener_b, self.pieces[::-1]))
+        for end, stiffener, pieces in own:
+            if stiffener is None:
+                continue
+            if stiffener.length > self.length:
+                raise ValueError(f"{end} is {stiffener.length:g} m long, the line only {self.length:g} m")
+            start = 0.0
+            for piece in pieces:
+                if start < stiffener.length and piece.section.bending_law is not None:
+                    raise ValueError(
+                        f"{end} lies over section '{piece.section.name}', whose bending_law is a moment table; its EI "
+                        "cannot be added to a table, give that stretch a section with EI"
+                    )
+                start += piece.length
+        both = sum(stiffener.length for _, stiffener, _ in own if stiffener is not None)
+        if both > self.length:
+            raise ValueError(f"its stiffeners are {both:g} m long together, the line only {self.length:g} m")
 
     @staticmethod
     def batch() -> type[LineBatch]:
@@ -272,6 +301,16 @@ class Line(Part):
         mirror = np.array([1.0, 1.0, -1.0])
         return hanging_arc(a * mirror, b * mirror, self.arc_length, 0.0) * mirror
 
+    def held_wrongly(self, joints: Any) -> list[str]:
+        """A stiffener around an end that no joint clamps."""
+        clamped = {joint.a for joint in joints if hasattr(joint, "direction")}
+        return [
+            f"Line '{self.name}': stiffener_{end} is around an end that is not clamped; hold it by "
+            f"Clamp(a='{self.name}.end_{end}', b=..., direction=...) or leave the stiffener out"
+            for end, stiffener in (("a", self.stiffener_a), ("b", self.stiffener_b))
+            if stiffener is not None and f"{self.name}.end_{end}" not in clamped
+        ]
+
     def problems(self, ends: dict[str, Array], sea: Any) -> list[str]:
         """What only shows once the ends are known."""
         a = self.end_a_position if self.end_a_position is not None else ends.get("end_a")
@@ -372,7 +411,8 @@ class LineBatch:
         for members in groups.values():
             index = np.array(members, dtype=np.int64)
             law = sections[members[0]].axial_law
-            self.laws.append((law, index, law.bind(np.ascontiguousarray(self.P[index, CA])), np.zeros((3, len(index)))))
+            new = np.zeros((law.memory, len(index)))
+            self.laws.append((law, index, law.bind(np.ascontiguousarray(self.P[index, CA])), new))
         self.remembers = bool(self.laws)
         self.rough = bool(self.P[:, MU_A : MU_N + 1].any())
 

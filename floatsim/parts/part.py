@@ -48,6 +48,10 @@ class Part(Description):
         """
         return np.empty((0, 3)), np.empty((0, 3, 3))
 
+    def held_wrongly(self, joints: Any) -> list[str]:
+        """What its joints do not give it that it needs: a list of sentences."""
+        return []
+
     def problems(self, ends: dict[str, Array], sea: Any) -> list[str]:
         """What only shows in the model: ends as placed, the sea."""
         return []

@@ -8,13 +8,14 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, SkipValidation, field_validator, model_validator
 
-from floatsim.description import Description, Name, NonNegative, Positive, PositiveInt, numbers
+from floatsim.description import Description, Name, NonNegative, Positive, PositiveInt, is_number, numbers
 from floatsim.frames import Array
 from floatsim.laws.engineering import Engineering
 from floatsim.laws.moment_table import MomentTable
 from floatsim.sea.seabed import check_friction
 
 MAX_ELEMENTS = 100_000  # decimetres of the longest cables; more is a slip of the pen
+SHORTEST = 1e-6  # m, of an element; coordinates in kilometres carry no more digits
 
 Pair = Annotated[tuple[float, float], numbers("two numbers (at the root, at the tip)", 2)]
 
@@ -24,9 +25,13 @@ def _axial(value: Any) -> Any:
         return value
     if isinstance(value, type) or not all(hasattr(value, name) for name in ("stiffness", "memory", "bind", "start")):
         raise ValueError(
-            f"got {value!r}; Engineering(), TensionTable(...), StaticDynamic(...) or an object with stiffness, memory, "
-            "bind and start (floatsim.laws) is allowed, None for linear in Green strain"
+            f"got {value!r:.60}; Engineering(), TensionTable(...), StaticDynamic(...) or an object with stiffness, "
+            "memory, bind and start (floatsim.laws) is allowed, None for linear in Green strain"
         )
+    if not isinstance(value.memory, int) or value.memory < 0:
+        raise ValueError(f"{type(value).__name__} has a memory of {value.memory!r}; must be a number of rows")
+    if not (is_number(value.stiffness) and value.stiffness > 0.0):
+        raise ValueError(f"{type(value).__name__} has a stiffness of {value.stiffness!r}; must be a positive number")
     return value
 
 
@@ -109,6 +114,12 @@ class Piece(Description):
         if value > MAX_ELEMENTS:
             raise ValueError(f"got {value}; at most {MAX_ELEMENTS} are allowed")
         return value
+
+    @model_validator(mode="after")
+    def _resolvable(self) -> Piece:
+        if self.length / self.elements < SHORTEST:
+            raise ValueError(f"its elements are {self.length / self.elements:.3g} m long; {SHORTEST:g} m is the least")
+        return self
 
 
 class BendStiffener(Description):

@@ -20,7 +20,7 @@ from typing import Annotated, Any, Protocol
 import numpy as np
 from pydantic import BeforeValidator, field_validator, model_validator
 
-from floatsim.description import Description, Positive, numbers
+from floatsim.description import LARGEST, Description, Positive, numbers
 from floatsim.frames import Array
 
 SEA_WATER = 1025.0  # kg/m3; only tells what floats from what sinks
@@ -449,7 +449,7 @@ def _coordinates(value: Any) -> tuple[tuple[float, ...], ...]:
         raise ValueError(f"its rows differ in length; {allowed}") from None
     if x.ndim != 2 or x.shape[1] != 3 or len(x) < 2:
         raise ValueError(f"got an array of shape {x.shape}; {allowed}")
-    if x.dtype.kind not in "iuf" or not np.isfinite(x).all():
+    if x.dtype.kind not in "iuf" or not np.all(np.abs(x) <= LARGEST):
         raise ValueError(f"not all are numbers; {allowed}")
     return tuple(tuple(map(float, row)) for row in x)
 

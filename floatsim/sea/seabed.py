@@ -20,7 +20,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 
-from floatsim.description import Description, Finite, NonNegative, Positive, Series, is_number
+from floatsim.description import LARGEST, Description, NonNegative, Positive, Series, is_number, numbers
 from floatsim.frames import Array, cross, dot, minus, times
 from floatsim.jit import kernel
 
@@ -29,14 +29,20 @@ Z0, SLOPE_X, SLOPE_Y, STIFFNESS, DAMPING, SLIP, GRID_X, GRID_DX, GRID_Y, GRID_DY
 
 
 def _heights(value: Any) -> Any:
-    rows = np.asarray(value, dtype=float) if not isinstance(value, str) else np.zeros(0)
-    if rows.ndim != 2 or min(rows.shape) < 2 or not np.isfinite(rows).all():
-        raise ValueError("rows of finite numbers, at least 2 x 2, all of one length")
+    allowed = "must be rows of finite numbers, at least 2 x 2, all of one length"
+    try:
+        rows = np.asarray(value)
+    except ValueError:
+        raise ValueError(f"its rows differ in length; {allowed}") from None
+    if rows.ndim != 2 or min(rows.shape) < 2:
+        raise ValueError(f"got an array of shape {rows.shape}; {allowed}")
+    if rows.dtype.kind not in "iuf" or not np.all(np.abs(rows) <= LARGEST):
+        raise ValueError(f"not all are finite numbers; {allowed}")
     return tuple(tuple(float(z) for z in row) for row in rows)
 
 
 class Bathymetry(Description):
-    """Heights of the bed on a grid, linear outside its edges' last cells' values (constant beyond the grid).
+    """Heights of the bed on a grid; beyond its edges the bed goes on level, at the height of the nearest edge.
 
     x, y [m]: evenly spaced, rising. z [m]: one row for every x, heights above mean sea level (negative).
     Between the points a cubic convolution (Keys 1981) runs through them with a continuous slope.
@@ -53,7 +59,9 @@ class Bathymetry(Description):
             if len(row) != n:
                 raise ValueError(f"{name} has {len(row)} values, z has {n}; they must be as many")
             if not np.all(steps > 0.0) or np.ptp(steps) > 1e-6 * steps[0]:
-                raise ValueError(f"{name}: got {list(row)}; the values must rise in even steps")
+                raise ValueError(
+                    f"{name}: got steps of {steps.min():g} to {steps.max():g} m; the values must rise in even steps"
+                )
         return self
 
 
@@ -74,7 +82,7 @@ class Seabed(Description):
     friction: NonNegative = 0.0
     friction_axial: NonNegative | None = None
     slip_length: Positive = 0.1
-    slope: tuple[Finite, Finite] = (0.0, 0.0)
+    slope: Annotated[tuple[float, float], numbers("two finite numbers (dz/dx, dz/dy)", 2)] = (0.0, 0.0)
     bathymetry: Bathymetry | None = None
 
     @model_validator(mode="after")
@@ -194,10 +202,11 @@ def friction(x, n, stick, direction, slip, mu_a, mu_n):  # type: ignore[no-untyp
 
 
 def check_friction(value: Any) -> Any:
-    """A section's own friction: None, a number or (axial, normal)."""
+    """A section's own friction: None, a number or (along, across)."""
     if value is None:
         return None
-    row = tuple(value) if isinstance(value, list | tuple) else (value, value)
-    if len(row) != 2 or not all(is_number(y) and y >= 0.0 for y in row):
-        raise ValueError("a number that is not negative or two of them, (axial, normal)")
+    pair = isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim > 0)
+    row = tuple(value) if pair else (value, value)
+    if len(row) != 2 or not all(is_number(y) and 0.0 <= y <= LARGEST for y in row):
+        raise ValueError(f"got {value!r:.60}; must be a number that is not negative or two of them, (along, across)")
     return (float(row[0]), float(row[1]))

@@ -32,7 +32,7 @@ from typing import Any
 
 import numpy as np
 
-from floatsim.errors import SolveFailed
+from floatsim.errors import CaseError, SolveFailed
 from floatsim.frames import Array
 from floatsim.solve.linear import LinearSolver
 from floatsim.solve.step import kinematics, norms
@@ -76,9 +76,10 @@ def solve_static(
 
     hold: names of parts that stay where they are while everything else finds its equilibrium. friction: the seabed
     holds lines back from where `state` has them stick (from an equilibrium: a slow offset); without, nothing does.
-    Returns the state at rest and the report. Raises SolveFailed naming the worst unknown and the
-    likely cause if it does not converge.
+    Returns the state at rest and the report. Raises CaseError for bad input and SolveFailed naming the worst unknown
+    and the likely cause if it does not converge.
     """
+    _check_request(system, state, hold, friction)
     if state is not None:
         start = state.copy()
     else:
@@ -107,6 +108,21 @@ def solve_static(
             elif not relax.forward():
                 return relax.fail(iterations, "the stiffness matrix is singular: something is free to drift")
     return relax.fail(iterations, relax.why())
+
+
+def _check_request(system: Any, state: Any, hold: Any, friction: Any) -> None:
+    """Raises CaseError for what is not of its kind."""
+    wrong = None
+    if not isinstance(system, System):
+        wrong = f"system: got {system!r:.60}; must be a System made by assemble(model)"
+    elif state is not None and not isinstance(state, State):
+        wrong = f"state: got {state!r:.60}; must be a State, e.g. of solve_static, or None"
+    elif not isinstance(hold, list | tuple | set):
+        wrong = f"hold: got {hold!r:.60}; must be a list of names of parts"
+    elif not isinstance(friction, bool | np.bool_):
+        wrong = f"friction: got {friction!r:.60}; must be True or False"
+    if wrong is not None:
+        raise CaseError(f"solve_static: {wrong}")
 
 
 def _slender(system: System) -> list[Any]:

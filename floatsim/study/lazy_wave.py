@@ -40,6 +40,8 @@ def section_lengths(
     shares: of the sections from the upper end, together 1. The defaults are those of Verelst et al. 2024 in 82 m.
     Raises CaseError if a number is not positive or the shares are not together 1.
     """
+    if not isinstance(shares, list | tuple | np.ndarray):
+        raise CaseError(f"section lengths: shares: got {shares!r}; must be a list of numbers")
     for name, value in (("depth", depth), ("length_per_depth", length_per_depth), *(("shares", y) for y in shares)):
         if not is_number(value) or value <= 0.0:
             raise CaseError(f"section lengths: {name}: got {value!r}; must be a positive number")
@@ -53,9 +55,14 @@ def diameter_from_weights(dry: float, wet: float, density: float = 1025.0, gravi
 
     rho g pi d^2/4 = dry - wet. Raises CaseError unless dry > wet, dry > 0, density > 0 and gravity > 0.
     """
-    for name, value in (("dry", dry), ("density", density), ("gravity", gravity), ("dry - wet", dry - wet)):
+    given: list[tuple[str, Any]] = [("dry", dry), ("density", density), ("gravity", gravity)]
+    if is_number(dry) and is_number(wet):
+        given.append(("dry - wet", dry - wet))
+    for name, value in given:
         if not is_number(value) or value <= 0.0:
             raise CaseError(f"diameter from weights: {name}: got {value!r}; must be a positive number")
+    if not is_number(wet):
+        raise CaseError(f"diameter from weights: wet: got {wet!r}; must be a number")
     return math.sqrt(4.0 * (dry - wet) / (math.pi * density * gravity))
 
 
@@ -158,6 +165,10 @@ def sizing(
     Raises CaseError for a grid without values, parameters that `build` does not take, an unknown line, or limits
     that are not positive or known from nowhere.
     """
+    if not callable(build):
+        raise CaseError(f"sizing: build: got {build!r:.60}; must be a function that returns a Model")
+    if not isinstance(grid, Mapping):
+        raise CaseError(f"sizing: grid: got {grid!r:.60}; must be a dictionary, parameter: list of values")
     for name, limit in (("max_curvature", max_curvature), ("breaking_load", breaking_load)):
         if limit is not None and (not is_number(limit) or limit <= 0.0):
             raise CaseError(f"sizing: {name}: got {limit!r}; must be a positive number")

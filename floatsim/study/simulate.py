@@ -104,7 +104,7 @@ def as_system(model: Any) -> System:
 
 
 def _check_case(duration: float, dt: float, interval: float | None, output: Any, precision: Any, scheme: Any,
-                tolerance: Any, state: Any) -> tuple[float, float, float]:  # fmt: skip
+                tolerance: Any, state: Any, step_control: Any) -> tuple[float, float, float]:  # fmt: skip
     """(duration, dt, interval) [s]. Raises CaseError for what makes no sense, before anything is computed."""
     duration, dt = positive_seconds("duration", duration), positive_seconds("dt", dt)
     what, step = ("dt", dt) if interval is None else ("interval", positive_seconds("interval", interval))
@@ -118,6 +118,8 @@ def _check_case(duration: float, dt: float, interval: float | None, output: Any,
         raise CaseError(f"scheme: got {scheme!r}; must be generalised_alpha(...), hht(...) or newmark(...)")
     if not is_number(tolerance) or not 0.0 < tolerance < 1.0:
         raise CaseError(f"tolerance: got {tolerance!r}; must be a number between 0 and 1")
+    if not isinstance(step_control, bool | np.bool_):
+        raise CaseError(f"step_control: got {step_control!r}; must be True or False")
     if state is not None and not isinstance(state, State):
         raise CaseError(f"state: got {state!r}; must be a State, e.g. of solve_static")
     if output is not None:
@@ -152,7 +154,9 @@ def simulate(
     Raises CaseError for bad input (before anything is written) and SolveFailed if there is no equilibrium to start
     from. A run that cannot go on returns with status 'failed'.
     """
-    duration, dt, interval = _check_case(duration, dt, interval, output, precision, scheme, tolerance, state)
+    duration, dt, interval = _check_case(
+        duration, dt, interval, output, precision, scheme, tolerance, state, step_control
+    )
     system = as_system(model)
     sea = system.model.sea
     if system.waves is not None:

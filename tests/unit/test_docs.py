@@ -28,8 +28,8 @@ def python_blocks(page: Path) -> str:
 @pytest.mark.parametrize(
     "pages",
     [("README.md",), ("docs/tutorial.md", "docs/output.md"), ("docs/contributing.md",),
-     ("docs/howto_lazy_wave.md",), ("docs/howto_moordyn.md",)],  # output reads tutorial's file
-    ids=" ".join,
+     ("docs/howto_lines.md",), ("docs/howto_lazy_wave.md",), ("docs/howto_moordyn.md",)],
+    ids=" ".join,  # output reads tutorial's file
 )
 def test_code_of_pages_runs(pages: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "models").symlink_to(ROOT / "models")
@@ -40,7 +40,8 @@ def test_code_of_pages_runs(pages: tuple[str, ...], tmp_path: Path, monkeypatch:
 
 
 def test_no_page_with_code_is_left_out() -> None:
-    tested = {"README.md", "tutorial.md", "output.md", "contributing.md", "howto_lazy_wave.md", "howto_moordyn.md"}
+    tested = {"README.md", "tutorial.md", "output.md", "contributing.md"}
+    tested |= {"howto_lines.md", "howto_lazy_wave.md", "howto_moordyn.md"}
     assert {page.name for page in PAGES if "```python" in page.read_text(encoding="utf-8")} == tested
 
 
