@@ -549,6 +549,10 @@ class LineBatch:
         """Of all lines, what sinks and what floats alike [N]."""
         return float(2.0 * np.abs(self.P[:, DRY] - self.P[:, WATER]).sum() * self.env[GRAVITY])
 
+    def bending_force(self) -> float:
+        """Largest EI/l0^2 [N]: a softer element would rather become shorter than bend."""
+        return float(self.k.max(initial=0.0) / self.P[:, L0].min())
+
     def let_out(self, state: Any) -> None:
         """Lines that are drawn shorter than they are, by PRESSED, become arcs of their length.
 

@@ -49,6 +49,7 @@ WORSE = 1e4  # growth of the unbalance at which a step is taken back
 STALLED = 60  # iterations without a better balance after which h starts small again
 PUSHES = (1e-3, 1e-1, 1e-2)  # share of EA in compression until the shape has settled; the next if one fails
 CAP, CAP_GROWTH, CAP_STEPS = 25.0, 30.0, 6  # of EA, over all loads on points; its growth from step to step
+BENT = 10.0  # of the cap, over the force at which an element bends by itself
 TURN, CALM = 1.0, 0.1  # rad; most a step may turn an element of a line, and a step that is linear to all intents
 NEAR, TRUST = 1e-2, 200  # residual (as TOLERANCE) at which the start is the equilibrium, nearly; iterations it is given
 KICKS, KICK = 3, 0.02  # how often a folded balance is left; by this share of the elements' length
@@ -165,7 +166,8 @@ class _Relaxation:
         w.c[:6] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # loads alone: no axial force yet
         w.lam[:] = 0.0
         system.evaluate(w)
-        self._soft = (push, CAP * max(float(np.abs(w.r[self._free]).sum()), 1e-9))
+        bends = max((batch.bending_force() for batch, _ in self._lines), default=0.0)
+        self._soft = (push, max(CAP * max(float(np.abs(w.r[self._free]).sum()), 1e-9), BENT * bends))
         np.copyto(w.lam, start.lam)
         self._caps = 0
         w.c[4:6] = 1.0, np.inf

@@ -9,7 +9,7 @@ What a batch offers the system (the protocol; a part's description names its bat
     bind(slots)                 slots of those tables, in the same order
     add(work)                   add matrix entries, residual, force sizes
     begin(work, history, t)     optional: what is constant during a step
-    nodes, lengths, weight_in_water, let_out, largest_turn, expected_tension, exchange_tension
+    nodes, lengths, weight_in_water, bending_force, let_out, largest_turn, expected_tension, exchange_tension
                                 optional, of lines: how statics keep slender things from folding (parts/line.py)
     remembers                   whether commits or outputs need the evaluation of the accepted state itself
     error(history, work)        optional: local error of the step just made over what is allowed
