@@ -138,8 +138,13 @@ def _listed(parameters: dict[str, Any]) -> str:
 
 
 def input_hash(path: str | Path, parameters: dict[str, Any], case: dict[str, Any], model: Model) -> str:
-    """SHA-256 of everything a run was made from: script, parameters, case, hydrodynamic databases."""
+    """SHA-256 of everything a run was made from: script and the neighbours it imports, parameters, case, databases."""
     digest = hashlib.sha256(Path(path).read_bytes())
+    folder = Path(path).resolve().parent
+    files = {str(getattr(module, "__file__", None) or "") for module in list(sys.modules.values())}
+    for file in sorted(f for f in files if f.endswith(".py") and Path(f).resolve().parent == folder):
+        if Path(file).resolve() != Path(path).resolve():
+            digest.update(Path(file).read_bytes())
     digest.update(json.dumps([parameters, case], sort_keys=True, default=str).encode())
     for part in model.parts:
         database = getattr(getattr(part, "hydro", None), "database", None)

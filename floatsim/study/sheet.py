@@ -105,8 +105,8 @@ def cautions(system: System) -> list[str]:
         for name in model.loose():
             lines.append(f"'{name}' is tied to nothing that is fixed or floats: it falls and has no static equilibrium")
     floaters = [part for part in model.parts if isinstance(part, Body) and part.hydro is not None]
-    if model.sea.waves is not None and not floaters:
-        lines.append("the sea has waves, but no body has hydrodynamics (Body(hydro=...)): they act on nothing")
+    if model.sea.waves is not None and not floaters and not len(system.wet_points):
+        lines.append("the sea has waves, but there is no line and no body with hydrodynamics: they act on nothing")
     if floaters:
         with contextlib.suppress(SolveFailed):  # whoever needs the equilibrium will say so
             lines += [f"body '{sheet.name}' {line}" for sheet in body_sheets(system) for line in sheet.warnings]

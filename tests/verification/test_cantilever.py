@@ -170,3 +170,25 @@ def test_settling(record):
     record(check, "8 elements: drop against the elastica", 100.0 * errors[3], 0.9, "%")
     record(check, "order, 2 to 4 elements", np.log2(errors[0] / errors[1]), (1.9, 2.1))
     record(check, "order, 4 to 8 elements", np.log2(errors[1] / errors[3]), (1.9, 2.1))
+
+
+def test_two_halves_clamped_to_a_connector(record):
+    """A beam in two halves that are clamped to a massless body in the middle bends like one beam."""
+    sec = fs.Section(name="beam", mass_per_length=1e-3, diameter=1e-3, EA=1e10, EI=2e6)
+    halves = [fs.Line(name="inner", section=sec, length=5.0, elements=10, end_a_position=(0.0, 0.0, 50.0)),
+              fs.Line(name="outer", section=sec, length=5.0, elements=10)]  # fmt: skip
+    middle = fs.Body(name="middle", mass=1e-3, inertia=(1e-3, 1e-3, 1e-3), position=(5.0, 0.0, 50.0),
+                     points={"in": (0.0, 0.0, 0.0), "out": (0.0, 0.0, 0.0)})  # fmt: skip
+    tip = fs.PointMass(name="tip", mass=1000.0, position=(10.0, 0.0, 50.0))
+    joints = [
+        fs.Clamp(a="inner.end_a", b=(0.0, 0.0, 50.0), direction=(1.0, 0.0, 0.0)),
+        fs.Clamp(a="inner.end_b", b="middle.in", direction=(-1.0, 0.0, 0.0)),
+        fs.Clamp(a="outer.end_a", b="middle.out", direction=(1.0, 0.0, 0.0)),
+        fs.Ball(a="outer.end_b", b="tip"),
+    ]
+    model = fs.Model(parts=[*halves, middle, tip], joints=joints, sea=fs.Sea(depth=10.0), gravity=G)
+    system = fs.assemble(model)
+    state, _ = fs.solve_static(system)
+    x, _, z = state.x[system.numbering.first_point[system.numbering.index("tip")]]
+    error = max(abs((50.0 - z) / 1.591703 - 1.0), abs(x / 9.846647 - 1.0))
+    record("elastica, clamped", "1000 kg at 10 m, two halves of 10 elements clamped to a body", 100.0 * error, 0.6, "%")

@@ -120,7 +120,7 @@ def test_run_killed_at_random_moments(tmp_path):
             assert data.time.values[:n] == pytest.approx(times[:n], abs=1e-9)
             # the same run, so the same numbers
             assert (data.rope_tension.values[:n] == tension[:n]).all()
-            for variable in data.isel(time=slice(0, n)).variables.values():
-                if variable.dtype.kind == "f":
+            for name, variable in data.isel(time=slice(0, n)).variables.items():
+                if variable.dtype.kind == "f" and not str(name).endswith("_touchdown"):  # nan: no contact
                     assert np.isfinite(variable.values).all()
     assert most >= 2 * SAMPLES

@@ -67,7 +67,8 @@ def test_run_command_killed_at_random_moments(tmp_path, record):
             n = data.sizes["time"]
             whole = appended // SAMPLES * SAMPLES
             held = n >= whole and np.allclose(data.time.values[:whole], 0.1 * np.arange(whole))
-            finite = all(np.isfinite(v.values[:whole]).all() for v in data.data_vars.values())
+            solid = [v for name, v in data.data_vars.items() if not str(name).endswith("_touchdown")]  # nan: no contact
+            finite = all(np.isfinite(v.values[:whole]).all() for v in solid)
             good += held and finite and data.attrs["status"] == "running" and data.attrs["failure"] == ""
         most = max(most, n)
         path.unlink()
