@@ -53,8 +53,9 @@ def _load(script: str, parameters: list[str], **case: Any) -> tuple[Any, dict[st
     from floatsim.study.sheet import cautions
 
     values = parse_parameters(parameters)
+    cold = cache_is_cold()  # building a model may compile a kernel or two
     model = load_model(script, values)
-    if cache_is_cold():
+    if cold:
         said = "floatsim: compiling its kernels, once for this version on this machine (up to a minute) ..."
         typer.echo(said, err=True)
     system = floatsim.assemble(model)
