@@ -162,8 +162,8 @@ def line_elements(x, v, a, u, du, eta, c, nodes, P, env, bed, grid, stick, speci
         phi, phi1, phi2 = wet_share(x1[2] - eta[i], x2[2] - eta[j], P[e, DIA])
         dry, mf, mn, cn, ct = P[e, DRY], P[e, WATER], P[e, ADDED_N], P[e, DRAG_N], P[e, DRAG_T]
         dm = P[e, ADDED_T] - mn
-        # rounding of the coordinates, seen through EA: no residual gets below 1e-8 of this
-        size = abs(T) + dry * g + P[e, NOISE] * (abs(x2[0]) + abs(x2[1]) + abs(x2[2]))
+        # rounding of the coordinates, seen through EA: no residual gets below 1e-8 of this at c[8] = 1
+        size = abs(T) + dry * g + c[8] * P[e, NOISE] * (abs(x2[0]) + abs(x2[1]) + abs(x2[2]))
         s[i] += size
         s[j] += size
         for k in range(2):

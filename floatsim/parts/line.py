@@ -449,6 +449,7 @@ class LineBatch:
 
     def start(self, state: Any) -> dict[str, Any]:
         """Memories: stick points where the line is now, laws long at rest, nothing broken."""
+        self._part(np.zeros(len(self.breaks), dtype=bool))
         stretches(state.x, state.v, self.nodes, self.P, self._s, self._rate)
         stick = np.zeros((2 * len(self.nodes), 6))
         stick[:, :3] = state.x[self.nodes.ravel()]
@@ -457,29 +458,51 @@ class LineBatch:
         self._old, self._h = [law.start(self._s[index]) for law, index, _, _ in self.laws], -1.0
         if self.laws:
             self._special(state.x, state.v)
+        history = {"t": state.t, "broken": np.zeros(len(self.breaks), dtype=bool), "stick": stick, "laws": self._old}
+        return history | self._tensions_at(state)
+
+    def _tensions_at(self, state: Any) -> dict[str, Array]:
+        """Memory of the step control for a line that has long been where it is."""
         tension = np.tile(self.tension(state), (3, 1))
         tension[2] = 1.0  # what was before is as good as long ago
         weight = np.bincount(self._line_of, 2.0 * self.env[GRAVITY] * self.P[:, DRY], len(self.parts))
-        largest = NO_LESS * weight
+        largest = np.asarray(NO_LESS * weight, dtype=np.float64)
         np.maximum.at(largest, self._line_of, np.abs(tension[0]))
-        return {
-            "t": state.t, "broken": np.zeros(len(self.breaks), dtype=bool), "stick": stick, "laws": self._old,
-            "tension": tension, "largest": largest,
-        }  # fmt: skip
+        return {"tension": tension, "largest": largest}
 
-    def begin(self, w: Any, history: dict[str, Any], t: float) -> None:
-        """What is constant during the step to t: stick points, memories of laws, broken elements."""
-        self._h = -1.0 if w.still else t - history["t"]
-        self._stick = history["stick"]
-        self._old = history["laws"]
+    def keep(self, state: Any, before: dict[str, Any], after: dict[str, Any]) -> None:
+        """What no equilibrium undoes: lines stay broken, ropes remember how far they were stretched."""
+        np.copyto(after["broken"], before["broken"])
+        self._part(after["broken"])
+        self._old, self._h = before["laws"], -1.0
+        if self.laws:
+            self._special(state.x, state.v)
+            for (_, _, _, new), own in zip(self.laws, after["laws"], strict=True):
+                np.copyto(own, new)
+        after.update(self._tensions_at(state))
+
+    def unused(self, history: dict[str, Any]) -> None:
+        """Ropes that were never stretched: how they are drawn says nothing about it."""
+        history["laws"] = [law.start(np.ones(len(index))) for law, index, _, _ in self.laws]
+
+    def _part(self, broken: NDArray[np.bool_]) -> None:
+        """Let the elements that are broken carry nothing, all others what they did when new."""
         if self.breaks:
             self.P[self.break_element, LIVE] = 1.0
             np.copyto(self.B, self._whole)
-            w.cut[self.nodes[self.break_element]] = False
-            for k in np.flatnonzero(history["broken"]):  # after all are whole: two breaks may share an element
+            for k in np.flatnonzero(broken):  # after all are whole: two breaks may share an element
                 self.P[self.break_element[k], LIVE] = 0.0
                 self.B[self.break_pairs[k]] = 0.0
-                w.cut[self.nodes[self.break_element[k]]] = True
+
+    def begin(self, w: Any, history: dict[str, Any], t: float) -> None:
+        """What is constant during the step to t: stick points, memories of laws, broken elements."""
+        self._h = -1.0 if w.still else max(t - history["t"], 0.0)  # a rounded clock may be a trifle behind
+        self._stick = history["stick"]
+        self._old = history["laws"]
+        if self.breaks:
+            self._part(history["broken"])
+            w.cut[self.nodes[self.break_element]] = False
+            w.cut[self.nodes[self.break_element[history["broken"]]]] = True
 
     def add(self, w: Any) -> None:
         if self.laws:

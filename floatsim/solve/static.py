@@ -88,8 +88,12 @@ def solve_static(
         for batch in _slender(system):
             batch.let_out(start)
         system.forget(start)
+        for k, batch in enumerate(system.batches):
+            if hasattr(batch, "unused"):
+                batch.unused(start.history[k])
     iterations = 0
     for push in (None, *PUSHES):
+        singular = ""  # or why this attempt ended early; crushed lines make it singular, too
         relax = _Relaxation(system, start, hold, push, friction)
         if push is None and not friction and not relax.near():
             continue  # with friction there is a way from the old equilibrium, which a softer law would leave
@@ -107,8 +111,9 @@ def solve_static(
             elif relax.worse():
                 relax.back()
             elif not relax.forward():
-                return relax.fail(iterations, "the stiffness matrix is singular: something is free to drift")
-    return relax.fail(iterations, relax.why())
+                singular = "the stiffness matrix is singular: something is free to drift"
+                break
+    return relax.fail(iterations, singular or relax.why())
 
 
 def _check_request(system: Any, state: Any, hold: Any, friction: Any) -> None:
@@ -326,15 +331,15 @@ class _Relaxation:
         return f"{folded}: elements there are too long for the bend, shorten them (or set EI = 0 for a limp line)"
 
     def result(self) -> State:
-        """The equilibrium as a state at rest, with fresh memories but for what friction holds."""
+        """The equilibrium as a state at rest; memories are fresh but for what cannot be undone and friction holds."""
         w, state = self.work, self.start
         for name in ("x", "q", "lam"):
             np.copyto(getattr(state, name), getattr(w, name))
         for name in ("v", "a", "aux"):
             getattr(state, name)[:] = 0.0
-        state.step = 0.0
+        state.step, state.pace = 0.0, (0.0, 0)
         before = state.history
-        self.system.forget(state)
+        self.system.forget(state, before)
         if self._friction:
             self.system.hold_back(w, before, state.history)
         return state

@@ -31,6 +31,7 @@ from floatsim.system.system import System
 
 MAX_ITERATIONS = 12
 TOLERANCE = 1e-5  # of the forces that meet at a point; implicit line codes stop at 2.5e-5
+FINEST = 1e-8  # the tolerance that rounding errors allow, `Work.c[8]`
 UNDAMPED = 0.95  # spectral radius above which position-level multipliers blow up sooner or later
 
 
@@ -128,6 +129,7 @@ class Stepper:
                 "e.g. generalised_alpha(0.9)"
             )
         self.work: Work = system.work()
+        self.work.c[8] = min(1.0, FINEST / max(tolerance, 1e-300))
         self.linear = LinearSolver(system.layout)
         self._y = np.zeros(system.n_dof)
         self._d = np.zeros(system.n)

@@ -29,7 +29,7 @@ from floatsim.frames import Array, at, cross, dot, minus, rotate, vec
 from floatsim.jit import kernel
 from floatsim.parts.bending import from_table
 from floatsim.parts.body import Body
-from floatsim.parts.element import L0, axial
+from floatsim.parts.element import L0, LIVE, axial
 from floatsim.parts.end_bending import EndBendingBatch
 from floatsim.parts.line import Line, LineBatch
 from floatsim.parts.point_mass import PointMass
@@ -89,7 +89,7 @@ def clamp_values(x, R, lam, where, E, moment, ties, out):  # type: ignore[no-unt
         b = minus(vec(x, where[e, 2]), vec(x, where[e, 1]))
         n = cross(a, b)
         o = _CLAMP * e
-        out[o] = math.atan2(math.sqrt(dot(n, n)), dot(a, b))
+        out[o] = math.atan2(math.sqrt(dot(n, n)), dot(a, b)) if E[e, 0] > 0.0 else 0.0  # or the line has parted there
         M = vec(moment, e)
         out[o + 1] = math.sqrt(dot(M, M))
         for m in range(3):
@@ -133,6 +133,9 @@ def line_values(x, v, nodes, P, special, pairs, B, tables, bed, grid, lines, arc
     for q in range(n_line):
         e0, n = lines[q, 0], lines[q, 1]
         g0 = first_gap + e0 + q
+        for m in range(n - 1):  # there is no bend where the line has parted
+            if P[e0 + m, LIVE] == 0.0 or P[e0 + m + 1, LIVE] == 0.0:
+                out[n_element + e0 - q + m] = 0.0
         for m in range(n + 1):
             p = nodes[e0 + m, 0] if m < n else nodes[e0 + m - 1, 1]
             z = bed[Z0] + bed[SLOPE_X] * x[p, 0] + bed[SLOPE_Y] * x[p, 1]

@@ -273,6 +273,11 @@ class _Loop:
         self.stepper, self.state, self.h, self.control = stepper, state, h, control
         self.level = 0  # the step is h / 2^level
         self.calm = 0
+        paced, calm = state.pace
+        if 0.0 < paced < h:
+            level = min(round(math.log2(h / paced)), MAX_CUTS)
+            if abs(h / 2**level - paced) < 1e-9 * paced:
+                self.level, self.calm = level, calm
         self.steps = self.cuts = self.iterations = self.outputs = 0
         self.iterations_of_last = 0
         self.last_step = h
@@ -285,6 +290,7 @@ class _Loop:
             if reason:
                 return f"at t = {self.state.t:.6g} s: {reason}"
             self.state.t = t + (k + 1) * self.h
+            self.state.pace = self.h / 2**self.level, self.calm
         self.outputs += 1
         return ""
 

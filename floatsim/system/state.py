@@ -18,7 +18,8 @@ class State:
     x (n_point + 1, 3) [m] and q (n_rotation + 1, 4) unit quaternions, both ending with the ground;
     v, a: velocities and accelerations of points, then angular ones of rotations, world axes; aux: the
     integrator's auxiliary acceleration; lam: multipliers; step: the step size aux belongs to [s];
-    history: memory of the parts that have one (radiation), by batch.
+    history: memory of the parts that have one (radiation), by batch; pace: the step a run would take next [s]
+    and how many went well in a row, so that a restart cuts steps where the run did.
     """
 
     t: float
@@ -30,6 +31,7 @@ class State:
     lam: Array
     step: float = 0.0
     history: dict[int, Any] = field(default_factory=dict)
+    pace: tuple[float, int] = (0.0, 0)
 
     def copy(self) -> State:
         """Independent copy, histories included."""
@@ -41,9 +43,10 @@ class Work:
 
     Reads: t, still (statics: no waves, no memory), x, R, v, a, lam, u (fluid velocity at points),
     du (its acceleration), eta (height of the water surface over points), cut (whether a line has parted at a point),
-    c = (cM, cC, cK, cG, push, cap, tangent, friction): weights of mass, damping, stiffness and constraints in the
-    matrix; the share of a line's axial stiffness that acts in compression and the most it may be [N]: 1 and inf
-    outside statics; whether the matrix is asked for (0: residual alone); whether the seabed has friction.
+    c = (cM, cC, cK, cG, push, cap, tangent, friction, rounding): weights of mass, damping, stiffness and constraints in
+    the matrix; the share of a line's axial stiffness that acts in compression and the most it may be [N]: 1 and inf
+    outside statics; whether the matrix is asked for (0: residual alone); whether the seabed has friction;
+    the share of the rounding errors in s (1 for a tolerance of 1e-8, less for a coarser one).
     Writes: A (entries by slot), r (residual), s (size of the forces at each point and rotation),
     trouble (what went wrong, by name), event (set by a commit after which accelerations jump), controlled (whether
     local errors are looked at).
@@ -70,7 +73,7 @@ class Work:
         self.du = np.zeros((n_point + 1, 3))
         self.eta = np.zeros(n_point + 1)
         self.cut = np.zeros(n_point + 1, dtype=bool)
-        self.c = np.array([0.0, 0.0, 0.0, 0.0, 1.0, np.inf, 1.0, 1.0])
+        self.c = np.array([0.0, 0.0, 0.0, 0.0, 1.0, np.inf, 1.0, 1.0, 1.0])
         self.A = np.zeros(size + 1)
         self.r = np.zeros(n)
         self.s = np.zeros(n_point + n_rotation + 2)

@@ -15,6 +15,8 @@ What a batch offers the system (the protocol; a part's description names its bat
     error(history, work)        optional: local error of the step just made over what is allowed
     start(state) -> history     optional: its memory, committed by commit(history, work) only when a
                                 step is accepted
+    keep(state, before, after)  optional: what of the memory `before` outlives a new equilibrium
+    unused(history)             optional: before the first equilibrium nothing was ever loaded, however it is drawn
 """
 
 from __future__ import annotations
@@ -206,9 +208,13 @@ class System:
         self.forget(state)
         return state
 
-    def forget(self, state: State) -> None:
-        """Start all memories afresh from the state: it has always been at rest there."""
+    def forget(self, state: State, before: dict[int, Any] | None = None) -> None:
+        """Start all memories afresh from the state: it has always been at rest there. Of the memories `before`, if
+        given, only what cannot be undone is kept: broken lines, ropes that were stretched further."""
         state.history = {k: b.start(state) for k, b in enumerate(self.batches) if hasattr(b, "start")}
+        for k, batch in enumerate(self.batches):
+            if before is not None and hasattr(batch, "keep"):
+                batch.keep(state, before[k], state.history[k])
 
     def hold_back(self, w: Work, before: dict[int, Any], after: dict[int, Any]) -> None:
         """Statics with friction: what stuck before goes on sticking where it did, dragged along where it slid."""

@@ -646,3 +646,200 @@ def test_pieces_with_ball_joints(record):
     record(check, "statics: largest difference", np.abs(still - other_still).max(), 1e-6, "m")
     record(check, "after 4 s of motion: largest difference", np.abs(moved - other_moved).max(), 1e-6, "m")
     assert np.abs(moved - still).max() > 0.3
+
+
+# --- what statics may not forget ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("drawn", [100.0, 104.0, 108.0, 112.0])
+def test_equilibrium_of_a_rope_does_not_depend_on_its_drawing(drawn, record):
+    """A rope that keeps a share of its largest stretch, never loaded before: T_s(0.03) carries the weight, also where
+    it was drawn longer; and the state that statics return is in balance."""
+    law = rope_law(permanent_share=0.4)
+    rope = fs.Section(name="rope", mass_per_length=1e-6, diameter=1e-3, EA=1e7, axial_law=law)
+    line = fs.Line(name="rope", section=rope, length=100.0, elements=4, taut=True)
+    load = fs.PointMass(name="load", mass=0.03 * SLOW / G, position=(0, 0, 300.0 - drawn))
+    joints = [fs.Ball(a="rope.end_a", b=(0, 0, 300.0)), fs.Ball(a="rope.end_b", b="load")]
+    system = fs.assemble(fs.Model(parts=[line, load], joints=joints, sea=AIR, gravity=G))
+    state, _ = fs.solve_static(system)
+    check = "rope that was drawn stretched"
+    record(check, f"drawn {drawn:g} m long: strain over the closed form", (2.0 - state.x[4, 2] / 100.0) / 0.03,
+           (1.0 - 1e-6, 1.0 + 1e-6))  # fmt: skip
+    moved = done(fs.simulate(system, 5.0, 0.1, state=state)).series("load_position")
+    record(check, f"drawn {drawn:g} m long: motion after it", np.ptp(moved, axis=0).max(), 1e-6, "m")
+
+
+def test_statics_remember_the_largest_stretch(record):
+    """Pulled to 8 % and let back to 6 %: the tension of the working curve, before and after a new equilibrium."""
+    p, m, there, back = 0.4, 1.5, 0.08, 0.06
+    law = rope_law(strain=[0.0, 0.1], tension=[0.0, 0.1 * SLOW], permanent_share=p, working_exponent=m,
+                   relaxation_time=0.5)  # fmt: skip
+    rope = fs.Section(name="rope", mass_per_length=1e-3, diameter=1e-3, EA=1e7, axial_law=law, axial_damping=1e4)
+    line = fs.Line(name="rope", section=rope, length=100.0, elements=2, taut=True)
+    w = np.pi / 40.0  # 1 m at rest, to 8 m at 40 s, back to 6 m at 60 s
+
+    def way(t, n):
+        if t <= 40.0:
+            return (there * 50.0 * (1 - np.cos(w * t)), there * 50.0 * w * np.sin(w * t),
+                    there * 50.0 * w * w * np.cos(w * t))[n]  # fmt: skip
+        half, size = 2.0 * w * (t - 40.0), (there - back) * 50.0
+        if t >= 60.0:
+            return (100.0 * back, 0.0, 0.0)[n]
+        return (100.0 * there - size * (1 - np.cos(half)), -2.0 * w * size * np.sin(half),
+                -4.0 * w * w * size * np.cos(half))[n]  # fmt: skip
+
+    motion = fs.Motion(*[lambda t, n=n: (100.0 * (n == 0) + way(t, n), 0, 200.0 * (n == 0)) for n in range(3)])
+    joints = [fs.Ball(a="rope.end_a", b=(0, 0, 200.0)), fs.Prescribed(a="rope.end_b", motion=motion)]
+    system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=AIR, gravity=0.0))
+    pulled = done(fs.simulate(system, 80.0, 0.1)).state
+    again, _ = fs.solve_static(system, pulled)
+    exact = SLOW * there * ((back - p * there) / ((1.0 - p) * there)) ** m
+    for name, state in (("after the run", pulled), ("after a new equilibrium", again)):
+        record("rope pulled hard, then statics", f"{name}: tension over the working curve",
+               sample(system, state, "rope_tension").max() / exact, (0.999, 1.001))  # fmt: skip
+
+
+def test_a_broken_line_stays_broken(record):
+    """Statics after a break hang both halves from their ends; a second run on the same system starts whole."""
+    chain = fs.Section(name="chain", mass_per_length=50.0, diameter=0.05, EA=1e7)
+    line = fs.Line(name="chain", section=chain, length=100.0, elements=20, breaks=[fs.Break(at=52.0, time=1.0)])
+    joints = [fs.Ball(a="chain.end_a", b=(0, 0, 400.0)), fs.Ball(a="chain.end_b", b=(80.0, 0, 400.0))]
+    system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=AIR, gravity=G))
+    first = done(fs.simulate(system, 2.0, 0.05))
+    state, _ = fs.solve_static(system, first.state)
+    after = done(fs.simulate(system, 1.0, 0.05, state=state)).series("chain_tension")
+    check = "equilibrium of a broken line"
+    record(check, "largest tension of a run from it over half an element less than half the line's weight",
+           after.max() / (G * 50.0 * 50.0), (1.0 - 1e-4, 1.0 + 1e-4))  # fmt: skip
+    second = done(fs.simulate(system, 2.0, 0.05))
+    np.testing.assert_array_equal(first.series("chain_tension"), second.series("chain_tension"))
+
+
+@pytest.mark.parametrize("rows", [1, 5])
+def test_a_law_may_remember_as_much_as_it_likes(rows, record):
+    """A law of one's own with `memory` rows, here the number of steps: linear, it gives EA e."""
+
+    class Counting:
+        stiffness, memory = EA, rows
+
+        def bind(self, damping):
+            def evaluate(s, rate, old, new, h, out):
+                out[0], out[1], out[2] = EA * (s - 1.0) + damping * rate, EA, damping
+                new[:] = old + 1.0
+
+            return evaluate
+
+        def start(self, s):
+            return np.zeros((rows, len(s)))
+
+    rope = fs.Section(name="rope", mass_per_length=1.0, diameter=0.01, EA=1.0, axial_law=Counting())
+    line = fs.Line(name="rope", section=rope, length=10.0, elements=1, taut=True)
+    joints = [fs.Ball(a="rope.end_a", b=(0, 0, 20.0)), fs.Ball(a="rope.end_b", b=(10.1, 0, 20.0))]
+    system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=AIR, gravity=0.0))
+    now = done(fs.simulate(system, 1.0, 0.1))
+    record("law of one's own", f"{rows} rows of memory: tension over EA e", now.series("rope_tension")[-1, 0] / EA,
+           (0.01 - 1e-9, 0.01 + 1e-9))  # fmt: skip
+    assert now.state.history[0]["laws"][0].shape == (rows, 1) and now.state.history[0]["laws"][0].min() == 11.0
+
+
+# --- far from the origin -----------------------------------------------------------------------------------------
+
+
+def test_a_cable_in_map_coordinates(record):
+    """Drawn 20 km from the origin the end force of a cable whose top is shaken is the same to a thousandth: the
+    tolerance of a step is not that of the coordinates' rounding errors."""
+
+    def force(east, tolerance):
+        cable = fs.Section(name="cable", mass_per_length=20.0, diameter=0.12, EA=7e8, EI=1e4, drag_normal=1.2,
+                           added_mass_normal=1.0, axial_damping=1e6)  # fmt: skip
+        line = fs.Line(name="cable", section=cable, length=150.0, elements=100)
+        a, w = 2.0, 0.8
+        motion = fs.Motion(lambda t: (east + 90.0 + a * (1.0 - np.cos(w * t)), 0, -5.0 + a * (1.0 - np.cos(w * t))),
+                           lambda t: (a * w * np.sin(w * t), 0, a * w * np.sin(w * t)),
+                           lambda t: (a * w * w * np.cos(w * t), 0, a * w * w * np.cos(w * t)))  # fmt: skip
+        joints = [fs.Ball(a="cable.end_a", b=(east, 0, -80.0)), fs.Prescribed(a="cable.end_b", motion=motion)]
+        system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=fs.Sea(depth=80.0), gravity=G))
+        now = done(fs.simulate(system, 8.0, 0.1, tolerance=tolerance, step_control=False))
+        return now.series("cable_end_b_force")
+
+    near, far = force(0.0, 1e-8), force(2e4, 1e-5)
+    record("cable 20 km from the origin", "error of its end force over the largest",
+           np.abs(far - near).max() / np.abs(near).max(), 1e-4)  # fmt: skip
+
+
+# --- standing upright --------------------------------------------------------------------------------------------
+
+
+def test_pile_stands_on_its_clamp(record):
+    """46.5 m of a heavy pipe, clamped at the bed, its top held: each end carries half its weight in water."""
+    pipe = fs.Section(name="pipe", mass_per_length=500.0, diameter=0.5, EA=1e10, EI=1e8)
+    line = fs.Line(name="pipe", section=pipe, length=46.5, elements=100)
+    joints = [fs.Clamp(a="pipe.end_a", b=(0, 0, -50.0), direction=(0, 0, 1)), fs.Ball(a="pipe.end_b", b=(0, 0, -3.5))]
+    system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=fs.Sea(depth=50.0, density=RHO), gravity=G))
+    state, _ = fs.solve_static(system)
+    half = 0.5 * 46.5 * (500.0 - RHO * 0.25 * np.pi * 0.25) * G
+    for end in ("end_a", "end_b"):
+        record("pile on its clamp", f"force at {end.replace('_', ' ')} over half the weight",
+               -sample(system, state, f"pipe_{end}_force")[2] / half, (0.99, 1.01))  # fmt: skip
+
+
+# --- going on from a state ---------------------------------------------------------------------------------------
+
+
+def test_a_rope_feels_the_same_where_a_run_ended(record):
+    """The clock of a run is rounded to its output grid, that of the rope's memory is not: a trifle of time backwards
+    is no time at all, not a rope at rest for ever."""
+    rope = fs.Section(name="rope", mass_per_length=10.0, diameter=0.1, EA=1e7, axial_law=rope_law())
+    line = fs.Line(name="rope", section=rope, length=100.0, elements=2, taut=True)
+    w = 0.8
+    motion = fs.Motion(lambda t: (102.0 + 0.5 * (1.0 - np.cos(w * t)), 0, 200.0),
+                       lambda t: (0.5 * w * np.sin(w * t), 0, 0),
+                       lambda t: (0.5 * w * w * np.cos(w * t), 0, 0))  # fmt: skip
+    joints = [fs.Ball(a="rope.end_a", b=(0, 0, 200.0)), fs.Prescribed(a="rope.end_b", motion=motion)]
+    system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=AIR, gravity=0.0))
+    apart = 0.0
+    for n in range(10, 22):  # 1.3, 1.5 and 1.8 s are rounded down
+        now = done(fs.simulate(system, 0.1 * n, 0.1, step_control=False))
+        last = now.series("rope_tension")[-1]
+        apart = max(apart, np.abs(sample(system, now.state, "rope_tension") / last - 1.0).max())
+    record("rope, state at the end of a run", "tension apart from the run's", apart, 1e-9)
+
+
+def test_a_restart_under_step_control(record):
+    """A chain snapping under cut steps: a run in two halves is the run in one, to what rounding of the clock does."""
+    chain = fs.Section(name="chain", mass_per_length=685.0, diameter=0.333, EA=3.27e9, drag_normal=1.1,
+                       added_mass_normal=0.82, axial_damping_ratio=0.3)  # fmt: skip
+    line = fs.Line(name="chain", section=chain, length=850.0, elements=30, breaks=[fs.Break(at=600.0, time=6.5)])
+    a, w = 12.0, 0.8
+    motion = fs.Motion(lambda t: (760.0 + a * (1.0 - np.cos(w * t)), 0, -14.0 + a * (1.0 - np.cos(w * t))),
+                       lambda t: (a * w * np.sin(w * t), 0, a * w * np.sin(w * t)),
+                       lambda t: (a * w * w * np.cos(w * t), 0, a * w * w * np.cos(w * t)))  # fmt: skip
+    joints = [fs.Ball(a="chain.end_a", b=(0, 0, -200.0)), fs.Prescribed(a="chain.end_b", motion=motion)]
+    sea = fs.Sea(depth=200.0, density=RHO, seabed=fs.Seabed(friction=0.6, slip_length=0.02))
+    system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=sea, gravity=G))
+    whole = done(fs.simulate(system, 8.0, 0.1))
+    first = done(fs.simulate(system, 4.0, 0.1))
+    assert first.state.pace[0] < 0.09  # steps are cut where the run is parted
+    second = done(fs.simulate(system, 4.0, 0.1, state=first.state))
+    assert first.steps + second.steps == whole.steps
+    tension, again = whole.series("chain_tension"), second.series("chain_tension")
+    record("run in two halves", "tension apart from that of one run over its largest",
+           np.abs(tension[41:] - again[1:]).max() / tension.max(), 1e-6)  # fmt: skip
+
+
+def test_no_bend_where_a_line_has_parted(record):
+    """Its two halves swing apart: what is between them is no curvature. Cut at a clamp, its angle is none either."""
+    cable = fs.Section(name="cable", mass_per_length=60.0, diameter=0.1, EA=1e7, EI=1e4, drag_normal=1.2,
+                       added_mass_normal=1.0, axial_damping=1e6, minimum_bend_radius=2.0)  # fmt: skip
+    line = fs.Line(name="cable", section=cable, length=60.0, elements=60,
+                   breaks=[fs.Break(at=30.5, time=0.5), fs.Break(at=0.5, time=0.5)])  # fmt: skip
+    joints = [fs.Clamp(a="cable.end_a", b=(0, 0, -10.0), direction=(0, 0, -1)),
+              fs.Ball(a="cable.end_b", b=(40.0, 0, -10.0))]  # fmt: skip
+    system = fs.assemble(fs.Model(parts=[line], joints=joints, sea=fs.Sea(depth=200.0, density=RHO), gravity=G))
+    now = done(fs.simulate(system, 6.0, 0.1))
+    apart = np.linalg.norm(np.diff(now.series("cable_position")[-1], axis=0), axis=1)
+    assert apart[30] > 5.0 and apart[0] > 5.0
+    record("cut cable", "curvature at the cuts", np.abs(now.series("cable_curvature")[-1, [0, 1, 30, 31]]).max(), 0.0,
+           "1/m")  # fmt: skip
+    assert now.series("cable_end_a_clamp_angle")[-1] == 0.0
+    assert now.series("cable_curvature_utilisation")[0, 0] > 0.0
