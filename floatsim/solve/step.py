@@ -30,7 +30,7 @@ from floatsim.system.state import State, Work
 from floatsim.system.system import System
 
 MAX_ITERATIONS = 12
-TOLERANCE = 1e-5  # of the forces that meet at a point; implicit line codes stop at 2.5e-5
+TOLERANCE = 2.5e-5  # of the forces that meet at a point; what implicit line codes stop at, too
 FINEST = 1e-8  # the tolerance that rounding errors allow, `Work.c[8]`
 UNDAMPED = 0.95  # spectral radius above which position-level multipliers blow up sooner or later
 
