@@ -10,6 +10,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from make_figures import FIGURES
+
 ROOT = Path(__file__).resolve().parents[1]
 
 HEAD = """# Verification
@@ -36,6 +38,9 @@ def page(rows: list[dict[str, Any]]) -> str:
             unit = f" {row['unit']}" if row["unit"] else ""
             mark = "" if row["holds"] else "**missed**"
             parts.append(f"| {row['quantity']} | {row['measured']:g}{unit} | {bar_text(row['bar'])} | {mark} |\n")
+    parts.append("\n## Figures\n\nDrawn by `docs/make_figures.py` from the models and tables of the tests.\n")
+    for name, (_, caption) in FIGURES.items():
+        parts.append(f"\n![{caption}](figures/{name}.svg)\n\n{caption}\n")
     return "".join(parts)
 
 

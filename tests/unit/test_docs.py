@@ -64,3 +64,12 @@ def test_commands_on_pages_exist() -> None:
             assert set(re.findall(r"(?<= )--[a-z]+", rest)) <= known, f"{page.name}: floatsim {verb} ...{rest}"
             shown += 1
     assert shown >= 10
+
+
+def test_every_figure_is_drawn_and_shown() -> None:
+    drawn = {path.stem for path in (ROOT / "docs" / "figures").glob("*.svg")}
+    script = (ROOT / "docs" / "make_figures.py").read_text(encoding="utf-8")
+    known = set(re.findall(r'^    "([a-z_]+)": \(\1, ', script, re.MULTILINE))
+    page = (ROOT / "docs" / "verification.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"\(figures/([a-z_]+)\.svg\)", page))
+    assert drawn == known == shown and drawn
