@@ -34,8 +34,9 @@ STIFFENED_EI = 60e3  # N m2, to this
 
 # Bend stiffener. [H] names one and gives no drawing. Ours is a cone of polyurethane around the cable, of the length
 # that [H] stiffened, 0.40 m in outer diameter at the hang-off and 0.20 m at its tip. Its modulus of 80 MPa is of the
-# order of such elastomers and chosen so that cone and cable together, 108.5 kN m2 at the root and 14.2 kN m2 at the
-# tip, have 61 kN m2 on average: it stands for the same component as the 60 kN m2 above.
+# order of such elastomers and chosen so that sleeve and cable together, 108.5 kN m2 at the root and 14.2 kN m2 at the
+# tip and straight in between (a true cone would have less there, 47 on average), have 61 kN m2 on average: it stands
+# for the same component as the 60 kN m2 above.
 STIFFENER_DIAMETER = (0.40, 0.20)  # m, outer, root and tip
 STIFFENER_MODULUS, STIFFENER_DENSITY = 80e6, 1150.0  # Pa, kg/m3
 

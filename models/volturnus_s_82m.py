@@ -12,8 +12,8 @@ Cables are those of lazy_wave.py, 2.76 x 82 m long, hinged at one point of the p
 opposite to each other. They hang 62 m high, not 82 m as in the source. With anchors 129 m from the hang-off, bed
 tension and largest curvature would be those of lazy_wave.py, but the hog 4 m below the keel, and a current of 0.5 m/s
 along the cables, which takes the platform 4 m with it, would push the downstream one together on a bed without
-friction. At 170 m that current leaves it 1.5 kN on the bed and the hog 9 m below the keel; in still water it is 3.5 kN
-and 12 m, and the largest curvature 0.10 1/m. The hull does not stop a cable.
+friction. At 170 m that current leaves it 1.5 kN on the bed and the hog 9.5 m below the floating keel; in still water it
+is 3.5 kN and 12.6 m, and the largest curvature 0.105 1/m. The hull does not stop a cable.
 """
 
 from __future__ import annotations
