@@ -173,7 +173,12 @@ def simulate(
     per_output = max(1, math.ceil(interval / dt * (1.0 - 1e-9)))
     outputs = int(math.floor(duration / interval * (1.0 + 1e-9)))
     h = interval / per_output
+    first = now
     if now.step == 0.0:
+        # what `start` adds to velocities for the scheme's sake goes with h^2 and is no velocity of a sample: through
+        # the axial damping of a stiff line it would be a tension
+        first = now.copy()
+        stepper.start(first, 1e-6 * h)
         stepper.start(now, h)
     case: dict[str, str | int | float] = {
         "title": system.model.name, "water_depth": sea.depth, "floatsim_version": __version__,
@@ -191,7 +196,7 @@ def simulate(
     shown = began
     failure = ""
     try:
-        store.append(now.t, sampler.sample_state(now))
+        store.append(now.t, sampler.sample_state(first))
         t0 = now.t
         for k in range(1, outputs + 1):
             try:

@@ -164,3 +164,13 @@ def test_stiffener_hangs_with_its_weight_and_buoyancy(record):
     added = down["stiffener"] - down["clamped"]
     record("umbilical, bend stiffener", "wet weight of the cone in the support's force: difference",
            100.0 * abs(added / weight - 1.0), 2.0, "%")  # fmt: skip
+
+
+def test_first_sample_does_not_depend_on_the_step(record):
+    """At t = 0 the moving end has velocity zero and the acceleration of the ramp: all elements pull as at rest."""
+    tension = [
+        fs.simulate(umbilical.build(), 3.0 * dt, dt, step_control=False).series("umbilical_tension")[0]
+        for dt in (0.01, 2.0)
+    ]
+    apart = float(np.abs(tension[0] - tension[1]).max() / tension[0].max())
+    record(ROW, "first sample of the tension, step 2 s against 0.01 s", 100.0 * apart, 0.1, "%")
