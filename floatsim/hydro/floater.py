@@ -84,14 +84,18 @@ class PotentialFlow(Description):
         """The database itself."""
         return self.database if isinstance(self.database, HydroDatabase) else HydroDatabase.read(self.database)
 
+    def files(self) -> list[str | Path]:
+        """Files its numbers come from."""
+        return [] if isinstance(self.database, HydroDatabase) else [self.database]
+
     @property
     def volume(self) -> float:
         """Displaced volume at the drawing position [m3]."""
         return self.displaced_volume if self.displaced_volume is not None else self.data.volume
 
-    def attached_to(self, body: Any) -> Floater:
-        """The part that carries these loads."""
-        return Floater(name=f"{body.name}.hydro", body=body)
+    def attached_to(self, body: Any) -> list[Part]:
+        """The parts that carry these loads."""
+        return [Floater(name=f"{body.name}.hydro", body=body, flow=self)]
 
 
 class Floater(Part):
@@ -99,6 +103,7 @@ class Floater(Part):
 
     name: str
     body: Any
+    flow: PotentialFlow
 
     @staticmethod
     def batch() -> type[FloaterBatch]:
@@ -236,7 +241,7 @@ class FloaterBatch:
         self.kernels: list[RadiationKernel] = []
         self.excitations: list[Excitation | None] = []
         for b, part in enumerate(self.parts):
-            body, flow = part.body, part.body.hydro
+            body, flow = part.body, part.flow
             db = flow.data
             waves = sea.waves
             heading = math.radians(body.attitude_deg[2])
@@ -276,7 +281,7 @@ class FloaterBatch:
         """Memories of floaters that have always been at rest."""
         return [RadiationHistory(kernel, t0=state.t) for kernel in self.kernels]
 
-    def begin(self, w: Any, history: list[RadiationHistory], t: float) -> None:
+    def begin(self, w: Any, history: list[RadiationHistory], t: float, state: Any) -> None:
         """What is constant during the step to t: wave forces and the past's share of the memory."""
         for b, excitation in enumerate(self.excitations):
             if w.still:
@@ -297,7 +302,7 @@ class FloaterBatch:
         """Unknowns (n, 6), A(w) - A_inf and B(w) (n, 6, 6) in world axes at omega [rad/s]."""
         masses, dampings = [], []
         for b, part in enumerate(self.parts):
-            db = part.body.hydro.data
+            db = part.flow.data
             turn = np.zeros((6, 6))
             co, si = self.P[b, :2]
             turn[:3, :3] = turn[3:, 3:] = [[co, -si, 0.0], [si, co, 0.0], [0.0, 0.0, 1.0]]

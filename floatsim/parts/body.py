@@ -37,7 +37,7 @@ class Body(Part):
     xz, yz) with the tensor's own entries (J_xy = -integral x y dm). center_of_mass [m] from the
     reference point, body axes. position [m]: drawing position of the reference point. attitude_deg:
     roll, pitch, yaw of the drawing position. points: named connection points, body axes [m]. hydro:
-    hydrodynamics of a floater (`floatsim.PotentialFlow`) or None.
+    what the water does to it (`floatsim.PotentialFlow`), a list of such descriptions, or None.
     Connection points: `NAME` (the reference point) and `NAME.POINT`.
     """
 
@@ -55,9 +55,14 @@ class Body(Part):
     @field_validator("hydro")
     @classmethod
     def _is_hydrodynamics(cls, value: Any) -> Any:
-        if value is not None and not hasattr(value, "attached_to"):
-            raise ValueError(f"got {value!r}; floatsim.PotentialFlow(database=...) or None is allowed")
-        return value
+        several = isinstance(value, list | tuple)
+        for item in value if several else (value,):
+            if (item is not None or several) and not hasattr(item, "attached_to"):
+                raise ValueError(
+                    f"got {item!r}; floatsim.PotentialFlow(database=...), a list of such descriptions, or None is "
+                    "allowed"
+                )
+        return tuple(value) if several else value
 
     @model_validator(mode="after")
     def _physical(self) -> Body:
@@ -80,6 +85,11 @@ class Body(Part):
         return np.array([[J[0], J[3], J[4]], [J[3], J[1], J[5]], [J[4], J[5], J[2]]])
 
     @property
+    def water_loads(self) -> tuple[Any, ...]:
+        """Descriptions of what the water does to the body, none, one or several."""
+        return self.hydro if isinstance(self.hydro, tuple) else () if self.hydro is None else (self.hydro,)
+
+    @property
     def extent(self) -> float:
         """A length of the body [m]: its largest radius of gyration about the reference point, for tolerances."""
         lever = float(np.dot(self.center_of_mass, self.center_of_mass))
@@ -99,7 +109,7 @@ class Body(Part):
 
     def children(self) -> list[Any]:
         """Parts that come with this one."""
-        return [] if self.hydro is None else [self.hydro.attached_to(self)]
+        return [part for load in self.water_loads for part in load.attached_to(self)]
 
     def place(self, ends: dict[str, Array], sea: Any) -> tuple[Array, Array]:
         """Drawing position: point (1, 3) and rotation matrix (1, 3, 3)."""

@@ -494,7 +494,7 @@ class LineBatch:
                 self.P[self.break_element[k], LIVE] = 0.0
                 self.B[self.break_pairs[k]] = 0.0
 
-    def begin(self, w: Any, history: dict[str, Any], t: float) -> None:
+    def begin(self, w: Any, history: dict[str, Any], t: float, state: Any) -> None:
         """What is constant during the step to t: stick points, memories of laws, broken elements."""
         self._h = -1.0 if w.still else max(t - history["t"], 0.0)  # a rounded clock may be a trifle behind
         self._stick = history["stick"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,20 @@ from floatsim.description import Description
 from floatsim.frames import Array
 
 Anchor = tuple[int, int, tuple[float, float, float]]
+
+
+class Output(NamedTuple):
+    """A channel that a batch fills: one number, or a vector in world axes if dims is ("xyz",)."""
+
+    name: str
+    long_name: str
+    units: str
+    dims: tuple[str, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """How many numbers it is."""
+        return 3 if self.dims else 1
 
 
 class Part(Description):

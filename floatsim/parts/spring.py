@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from floatsim.description import Name, NonNegative, Target
 from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, unit, vec
 from floatsim.jit import kernel
-from floatsim.parts.part import Part
+from floatsim.parts.part import Output, Part
 
 Index = NDArray[np.int64]
 
@@ -146,6 +146,14 @@ class SpringBatch:
 
     def bind(self, slots: list[Index]) -> None:
         (self._slots,) = slots
+
+    def outputs(self) -> list[Output]:
+        """Forces of the springs."""
+        return [Output(f"{p.name}_force", f"force in {p.name}, pulling positive", "N") for p in self.parts]
+
+    def measure(self, w: Any, out: Array) -> None:
+        """Of the state last evaluated."""
+        out[:] = self.force
 
     def add(self, w: Any) -> None:
         springs(w.x, w.R, w.v, w.c, self.where, self.arms, self.P, self._slots, self._K, w.A, w.r, w.s, self.force)

@@ -33,7 +33,6 @@ from floatsim.parts.element import L0, LIVE, axial
 from floatsim.parts.end_bending import EndBendingBatch
 from floatsim.parts.line import Line, LineBatch
 from floatsim.parts.point_mass import PointMass
-from floatsim.parts.spring import SpringBatch
 from floatsim.sea.seabed import SLOPE_X, SLOPE_Y, Z0, bed_height
 from floatsim.study.store import TIME_ATTRIBUTES, Channel, Coordinate
 from floatsim.system.state import State, Work
@@ -287,8 +286,8 @@ class Sampler:
             elif isinstance(part, Line):
                 yield from self._line(part, p)
         s = self._sources
-        for spring, index in s.springs.items():
-            yield Channel(f"{spring}_force", f"force in {spring}, pulling positive", "N"), index, 1.0, 0.0
+        for output, index in s.told:
+            yield Channel(output.name, output.long_name, output.units, output.dims), index, 1.0, 0.0
         yield from self._joints()
         text = "wave elevation at the world's origin"
         yield Channel("wave_elevation", text, "m"), s.environment[:1], 1.0, 0.0
@@ -401,11 +400,10 @@ class _Sources:
         batches, con = system.batches, system.constraints
         self._lines = next((b for b in batches if isinstance(b, LineBatch)), None)
         self._clamps = next((b for b in batches if isinstance(b, EndBendingBatch)), None)
-        self._springs = next((b for b in batches if isinstance(b, SpringBatch)), None)
+        self._tell = [b for b in batches if hasattr(b, "outputs")]
         self._constraints = con
         lines: tuple[Line, ...] = self._lines.parts if self._lines else ()
         clamps = self._clamps.parts if self._clamps else ()
-        springs = self._springs.parts if self._springs else ()
         self.size = 0
         self._slices: list[slice] = []
         self.zero = int(self._room(1)[0])
@@ -438,12 +436,17 @@ class _Sources:
         self._ties = np.zeros((len(ties), max(map(len, ties), default=0)), dtype=np.int64)
         for row, own in zip(self._ties, ties):
             row[: len(own)] = own
-        force = self._room(len(springs))
-        self.springs = {p.name: force[k : k + 1] for k, p in enumerate(springs)}
+        said = [batch.outputs() for batch in self._tell]
+        items = [item for outputs in said for item in outputs]
+        told = self._room(sum(item.size for item in items))
+        start = np.cumsum([0, *(item.size for item in items)])
+        self.told = [(item, told[a:b]) for item, a, b in zip(items, start, start[1:])]
+        ends = np.cumsum([0, *(sum(item.size for item in outputs) for outputs in said)])
+        self._shares = [slice(a, b) for a, b in zip(ends, ends[1:])]
         self.values = np.zeros(self.size)
         rooms = [self.values[part] for part in self._slices]
         (_, self._x, self._v, self._a, self._lam, self._attitude, self._align, self._solver, self._environment,
-         self._line, self._clamp, self._force) = rooms  # fmt: skip
+         self._line, self._clamp, self._told) = rooms  # fmt: skip
         self._waves, self._ramp = system.waves, system.model.sea.wave_ramp
         self._reach = CONTACT * system.model.sea.depth
         self.want(np.arange(self.size))
@@ -454,7 +457,7 @@ class _Sources:
         asked[index] = True
         (_, self._want_x, self._want_v, self._want_a, self._want_lam, self._want_attitude, self._want_align, _,
          self._want_waves, self._want_lines, self._want_clamps,
-         self._want_springs) = [bool(asked[part].any()) for part in self._slices]  # fmt: skip
+         self._want_told) = [bool(asked[part].any()) for part in self._slices]  # fmt: skip
 
     def _room(self, n: int) -> Index:
         first, self.size = self.size, self.size + n
@@ -482,8 +485,9 @@ class _Sources:
                         self._arc, self._reach, self._line)  # fmt: skip
         if self._want_clamps and (c := self._clamps) is not None:
             clamp_values(w.x, w.R, w.lam, c.where, c.E, c.moment, self._ties, self._clamp)
-        if self._want_springs and self._springs is not None:
-            self._force[:] = self._springs.force
+        if self._want_told:
+            for batch, share in zip(self._tell, self._shares):
+                batch.measure(w, self._told[share])
         if self._want_waves and self._waves is not None:
             self._environment[0] = self._waves.elevation(0.0, 0.0, w.t, self._ramp)
 

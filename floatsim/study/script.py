@@ -147,7 +147,7 @@ def input_hash(path: str | Path, parameters: dict[str, Any], case: dict[str, Any
             digest.update(Path(file).read_bytes())
     digest.update(json.dumps([parameters, case], sort_keys=True, default=str).encode())
     for part in model.parts:
-        database = getattr(getattr(part, "hydro", None), "database", None)
-        if isinstance(database, str | Path):
-            digest.update(Path(database).read_bytes())
+        for load in getattr(part, "water_loads", ()):
+            for file in load.files():
+                digest.update(Path(file).read_bytes())
     return digest.hexdigest()

@@ -10,7 +10,7 @@ import numpy as np
 from floatsim.errors import SolveFailed
 from floatsim.frames import Array
 from floatsim.hydro.database import Finding, check_database
-from floatsim.hydro.floater import FloaterBatch
+from floatsim.hydro.floater import FloaterBatch, PotentialFlow
 from floatsim.model import Model
 from floatsim.parts.body import Body
 from floatsim.parts.line import Line
@@ -60,7 +60,7 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
     unknowns = system.unknowns_of([body.name])
     net = -r[unknowns]
     weight = body.mass * model.gravity
-    flow = body.hydro
+    flow = potential_flow(body)
     buoyancy = 0.0 if flow is None else model.sea.density * model.gravity * flow.volume
     attached = net[:3] - np.array([0.0, 0.0, buoyancy - weight])
     heave = roll = pitch = float("nan")
@@ -104,7 +104,7 @@ def cautions(system: System) -> list[str]:
     if model.gravity > 0.0:
         for name in model.loose():
             lines.append(f"'{name}' is tied to nothing that is fixed or floats: it falls and has no static equilibrium")
-    floaters = [part for part in model.parts if isinstance(part, Body) and part.hydro is not None]
+    floaters = [part for part in model.parts if isinstance(part, Body) and part.water_loads]
     if model.sea.waves is not None and not floaters and not len(system.wet_points):
         lines.append("the sea has waves, but there is no line and no body with hydrodynamics: they act on nothing")
     if floaters:
@@ -125,13 +125,18 @@ def dof_table(system: System) -> list[tuple[str, str, int, int]]:
     return rows
 
 
+def potential_flow(body: Body) -> PotentialFlow | None:
+    """The body's linear hydrodynamics, if it has any."""
+    return next((load for load in body.water_loads if isinstance(load, PotentialFlow)), None)
+
+
 def database_findings(model: Model) -> list[tuple[str, Finding]]:
     """What the sanity checks say of every body's hydrodynamic database."""
     return [
         (body.name, finding)
         for body in model.parts
-        if isinstance(body, Body) and body.hydro is not None
-        for finding in check_database(body.hydro.data)
+        if isinstance(body, Body) and (flow := potential_flow(body)) is not None
+        for finding in check_database(flow.data)
     ]
 
 

@@ -8,7 +8,7 @@ What a batch offers the system (the protocol; a part's description names its bat
     dofs(n_point) -> tables     unknowns that each element couples
     bind(slots)                 slots of those tables, in the same order
     add(work)                   add matrix entries, residual, force sizes
-    begin(work, history, t)     optional: what is constant during a step
+    begin(work, history, t, state)  optional: what is constant during the step from `state` to time t
     nodes, lengths, weight_in_water, bending_force, let_out, largest_turn, expected_tension, exchange_tension
                                 optional, of lines: how statics keep slender things from folding (parts/line.py)
     remembers                   whether commits or outputs need the evaluation of the accepted state itself
@@ -16,6 +16,7 @@ What a batch offers the system (the protocol; a part's description names its bat
     start(state) -> history     optional: its memory, committed by commit(history, work) only when a
                                 step is accepted
     keep(state, before, after)  optional: what of the memory `before` outlives a new equilibrium
+    outputs() -> [Output]       optional: what it has to tell, written for every sample by measure(work, out)
     unused(history)             optional: before the first equilibrium nothing was ever loaded, however it is drawn
 """
 
@@ -249,7 +250,7 @@ class System:
         self.constraints.move(t)
         for k, batch in enumerate(self.batches):
             if hasattr(batch, "begin"):
-                batch.begin(w, state.history.get(k), t)
+                batch.begin(w, state.history.get(k), t, state)
 
     def flow(self, w: Work, x: Array, t: float) -> None:
         """Velocity and acceleration of the water and its surface at the wet points, at positions x (n_point + 1, 3)."""
