@@ -329,7 +329,7 @@ def database(size: float, depth: float) -> HydroDatabase:
         headings=headings,
         excitation=np.conj(force),  # Capytaine has e^{-i w t}; both measure phase from the origin
         hydrostatic_stiffness=hydrostatic_stiffness(),
-        volume=volume,
+        volume=np.array(volume),
         centre_of_buoyancy=np.array([0.0, 0.0, height]),
         reference_point=np.array(REFERENCE_POINT),
         depth=depth,

@@ -1,4 +1,4 @@
-"""The hydrodynamic database of a floater: what linear potential flow says about it.
+"""The hydrodynamic database of floaters: what linear potential flow says about one, or about several that interact.
 
 One class, `HydroDatabase`, whatever the numbers came from. It holds everything in floatsim's own
 conventions, so nothing behind a reader ever converts again:
@@ -10,13 +10,14 @@ conventions, so nothing behind a reader ever converts again:
 - forces and moments along the world axes at the drawing position, moments about `reference_point`,
 - radiation force = -A(w) xi'' - B(w) xi' (Cummins 1962; Ogilvie 1964).
 
-The file is netCDF with the names that Capytaine uses. It carries its bodies along a dimension `body`
-and its degrees of freedom along `influenced_dof` and `radiating_dof`, six per body, so that databases
-of several interacting bodies have the same form.
+The file is netCDF with the names that Capytaine uses. It carries its bodies along a dimension `body` and its degrees
+of freedom along `influenced_dof` and `radiating_dof`, six per body, one body after the other; those of several bodies
+are called BODY__Surge and so on.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -28,6 +29,8 @@ from numpy.typing import NDArray
 
 from floatsim.errors import ModelError
 
+_KINDS = {"excitation": np.complex128, "froude_krylov": np.complex128, "hull_faces": np.int64, "hull_body": np.int64}
+_PER_BODY = {"volume": 1, "centre_of_buoyancy": 2, "reference_point": 2}  # dimensions, the first of them bodies
 DOF_NAMES = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
 _PHASE_ORIGIN = "world origin"
 _PLUS, _MINUS = "exp(+i omega t)", "exp(-i omega t)"  # values of the file's attribute `time_sign`
@@ -35,26 +38,32 @@ _PLUS, _MINUS = "exp(+i omega t)", "exp(-i omega t)"  # values of the file's att
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HydroDatabase:
-    """First-order hydrodynamic coefficients of one floater, about `reference_point`. Arrays are read-only.
+    """Hydrodynamic coefficients of N interacting floaters, each about its `reference_point`. Arrays are read-only.
 
-    Degrees of freedom: surge, sway, heave, roll, pitch, yaw along world axes (rotations in rad).
+    Degrees of freedom, d = 6 N: surge, sway, heave, roll, pitch, yaw of each body along world axes (rotations in rad).
 
     name                   what messages call it (a file name, usually)
+    bodies                 names of the bodies; default, for one body: its name
     omega                  (n,) rad/s, increasing, finite and positive
-    added_mass             (n, 6, 6) kg, kg m, kg m2: [i, j] is the force i per acceleration j
-    radiation_damping      (n, 6, 6) N s/m, N s, N m s
-    added_mass_inf         (6, 6) added mass at infinite frequency
-    added_mass_zero        (6, 6) at zero frequency, or None
+    added_mass             (n, d, d) kg, kg m, kg m2: [i, j] is the force i per acceleration j
+    radiation_damping      (n, d, d) N s/m, N s, N m s
+    added_mass_inf         (d, d) added mass at infinite frequency
+    added_mass_zero        (d, d) at zero frequency, or None
     headings               (m,) rad in [-pi, pi), increasing
-    excitation             (n, m, 6) complex, N/m and N m/m, Froude-Krylov + diffraction
-    hydrostatic_stiffness  (6, 6) waterplane + rho g V z_B, without weight
-    volume                 m3, displaced at the drawing position
-    centre_of_buoyancy     (3,) m, world frame
-    reference_point        (3,) m, world frame (origin at mean sea level)
+    excitation             (n, m, d) complex, N/m and N m/m, Froude-Krylov + diffraction
+    froude_krylov          (n, m, d) complex, its part by the undisturbed wave alone, or None
+    mean_drift             (n, m, d) N/m2 and N m/m2: mean second-order force per wave amplitude squared, or None
+    hydrostatic_stiffness  (d, d) waterplane + rho g V z_B, without weight; bodies do not act on each other
+    volume                 (N,) m3, displaced at the drawing position
+    centre_of_buoyancy     (N, 3) m, world frame
+    reference_point        (N, 3) m, world frame (origin at mean sea level)
     depth                  m, inf for deep water
     density, gravity       kg/m3, m/s2
     hull_vertices, hull_faces  (p, 3) m and (q, 4) indices of the panel mesh, or None
+    hull_body              (q,) index of the body each face belongs to, or None
     source                 what made the numbers: code, version, settings, mesh hash
+
+    Of one body a single volume and points (3,) will do.
 
     Raises ModelError, all problems at once, for shapes that do not fit and unordered axes. Whether
     the numbers make sense is the business of `check_database`.
@@ -68,29 +77,35 @@ class HydroDatabase:
     headings: NDArray[np.float64]
     excitation: NDArray[np.complex128]
     hydrostatic_stiffness: NDArray[np.float64]
-    volume: float
+    volume: NDArray[np.float64]
     centre_of_buoyancy: NDArray[np.float64]
     reference_point: NDArray[np.float64]
     depth: float
     density: float
     gravity: float
+    bodies: tuple[str, ...] = ()
     added_mass_zero: NDArray[np.float64] | None = None
+    froude_krylov: NDArray[np.complex128] | None = None
+    mean_drift: NDArray[np.float64] | None = None
     hull_vertices: NDArray[np.float64] | None = None
     hull_faces: NDArray[np.int64] | None = None
+    hull_body: NDArray[np.int64] | None = None
     source: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)
-            if value is None or item.name in ("name", "source"):
+            if value is None or item.name in ("name", "source", "bodies"):
                 continue
-            if item.name in ("volume", "depth", "density", "gravity"):
+            if item.name in ("depth", "density", "gravity"):
                 value = float(value)
             else:
-                kind = {"excitation": np.complex128, "hull_faces": np.int64}.get(item.name, np.float64)
-                value = np.array(value, dtype=kind, order="C")
+                value = np.array(value, dtype=_KINDS.get(item.name, np.float64), order="C")
+                if value.ndim < _PER_BODY.get(item.name, 0):
+                    value = value[None]
                 value.flags.writeable = False
             object.__setattr__(self, item.name, value)
+        object.__setattr__(self, "bodies", tuple(self.bodies) or (self.name,))
         object.__setattr__(self, "source", MappingProxyType(dict(self.source)))
         problems = self._problems()
         if problems:
@@ -98,18 +113,22 @@ class HydroDatabase:
 
     def _problems(self) -> list[str]:
         label = f"hydrodynamic database '{self.name}'"
-        n, m = self.omega.size, self.headings.size
+        n, m, N = self.omega.size, self.headings.size, len(self.bodies)
+        d = 6 * N
         wanted: dict[str, tuple[int, ...]] = {
             "omega": (n,),
             "headings": (m,),
-            "added_mass": (n, 6, 6),
-            "radiation_damping": (n, 6, 6),
-            "added_mass_inf": (6, 6),
-            "added_mass_zero": (6, 6),
-            "excitation": (n, m, 6),
-            "hydrostatic_stiffness": (6, 6),
-            "centre_of_buoyancy": (3,),
-            "reference_point": (3,),
+            "added_mass": (n, d, d),
+            "radiation_damping": (n, d, d),
+            "added_mass_inf": (d, d),
+            "added_mass_zero": (d, d),
+            "excitation": (n, m, d),
+            "froude_krylov": (n, m, d),
+            "mean_drift": (n, m, d),
+            "hydrostatic_stiffness": (d, d),
+            "volume": (N,),
+            "centre_of_buoyancy": (N, 3),
+            "reference_point": (N, 3),
         }
         problems = []
         for key, shape in wanted.items():
@@ -117,8 +136,11 @@ class HydroDatabase:
             if value is not None and value.shape != shape:
                 problems.append(
                     f"{label}: {key} has shape {value.shape}, must be {shape} "
-                    f"({n} frequencies, {m} headings, 6 degrees of freedom)"
+                    f"({n} frequencies, {m} headings, {_bodies(N)})"
                 )
+        for name, times in Counter(self.bodies).items():
+            if times > 1:
+                problems.append(f"{label}: {times} bodies are called '{name}'; names must differ")
         if n < 2 or not (
             np.all(np.isfinite(self.omega)) and self.omega.min() > 0.0 and np.all(np.diff(self.omega) > 0.0)
         ):
@@ -133,19 +155,31 @@ class HydroDatabase:
             and h[-1] - h[0] < 2.0 * np.pi - 1e-6
         ):
             problems.append(f"{label}: headings must be at least one, in [-pi, pi), increasing")
-        for key in ("volume", "depth", "density", "gravity"):
+        for key in ("depth", "density", "gravity"):
             if not getattr(self, key) > 0.0:
                 problems.append(f"{label}: {key} is {getattr(self, key)}, must be positive")
+        for name, volume in zip(self.bodies, self.volume.ravel()):
+            if not volume > 0.0:
+                problems.append(f"{label}: volume of '{name}' is {volume}, must be positive")
         return problems
 
+    def index(self, body: str | int) -> int:
+        """Place of a body among `bodies`, given by name or index. Raises ModelError if there is none."""
+        if body in self.bodies:
+            return self.bodies.index(str(body))
+        if isinstance(body, int) and not isinstance(body, bool) and 0 <= body < len(self.bodies):
+            return body
+        known = ", ".join(f"'{name}'" for name in self.bodies)
+        raise ModelError(f"hydrodynamic database '{self.name}': there is no body {body!r}; it has {known}")
+
     def at(self, omega: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """A(w) and B(w), (6, 6) each, at omega [rad/s]: cubic in between, B(0) = 0, A held below the lowest
+        """A(w) and B(w), (d, d) each, at omega [rad/s]: cubic in between, B(0) = 0, A held below the lowest
         frequency (or taken to A(0) where it is known); A_inf and no damping above the highest."""
         from scipy.interpolate import CubicSpline
 
         if omega > self.omega[-1]:
             return self.added_mass_inf, np.zeros_like(self.added_mass_inf)
-        damping = np.concatenate([np.zeros((1, 6, 6)), self.radiation_damping])
+        damping = np.concatenate([np.zeros_like(self.radiation_damping[:1]), self.radiation_damping])
         B = CubicSpline(np.concatenate([[0.0], self.omega]), damping)(omega)
         if self.added_mass_zero is not None:
             mass = np.concatenate([self.added_mass_zero[None], self.added_mass])
@@ -157,8 +191,8 @@ class HydroDatabase:
         """Database in the netCDF file `path`, whatever time sign its author used.
 
         Phases written for e^{-i w t} are conjugated (time factors of opposite sign describe the same force by
-        conjugate amplitudes). Raises ModelError if the file cannot be read, lacks something, holds
-        several bodies, or refers its phases to anything but the world origin.
+        conjugate amplitudes). Raises ModelError if the file cannot be read, lacks something, or
+        refers its phases to anything but the world origin.
         """
         import netCDF4
 
@@ -194,12 +228,15 @@ _AXES = {  # variable -> dimensions, unit
     "added_mass_inf": (("influenced_dof", "radiating_dof"), "kg, kg m, kg m2"),
     "added_mass_zero": (("influenced_dof", "radiating_dof"), "kg, kg m, kg m2"),
     "excitation": (("complex", "omega", "wave_direction", "influenced_dof"), "N/m, N"),
+    "froude_krylov": (("complex", "omega", "wave_direction", "influenced_dof"), "N/m, N"),
+    "mean_drift": (("omega", "wave_direction", "influenced_dof"), "N/m2, N/m"),
     "hydrostatic_stiffness": (("influenced_dof", "radiating_dof"), "N/m, N, N m"),
     "volume": (("body",), "m3"),
     "centre_of_buoyancy": (("body", "xyz"), "m"),
     "reference_point": (("body", "xyz"), "m"),
     "hull_vertices": (("hull_vertex", "xyz"), "m"),
     "hull_faces": (("hull_face", "corner"), "1"),
+    "hull_body": (("hull_face",), "1"),
 }
 _EXACT = (
     "hydrostatic_stiffness",
@@ -208,22 +245,24 @@ _EXACT = (
     "reference_point",
     "hull_vertices",
 )  # float64
-_OPTIONAL = ("added_mass_zero", "hull_vertices", "hull_faces")
-_OWN_ATTRIBUTES = ("time_sign", "phase_origin", "water_depth", "rho", "g", "long_name")
+_OPTIONAL = ("added_mass_zero", "froude_krylov", "mean_drift", "hull_vertices", "hull_faces", "hull_body")
+_OWN_ATTRIBUTES = ("title", "time_sign", "phase_origin", "water_depth", "rho", "g", "long_name")
 
 
 def _fill(file: Any, db: HydroDatabase) -> None:
-    sizes = {"omega": db.omega.size, "wave_direction": db.headings.size, "complex": 2, "body": 1, "xyz": 3}
-    sizes |= {"influenced_dof": len(DOF_NAMES), "radiating_dof": len(DOF_NAMES)}
+    N = len(db.bodies)
+    dofs = DOF_NAMES if N == 1 else [f"{body}__{dof}" for body in db.bodies for dof in DOF_NAMES]
+    sizes = {"omega": db.omega.size, "wave_direction": db.headings.size, "complex": 2, "body": N, "xyz": 3}
+    sizes |= {"influenced_dof": 6 * N, "radiating_dof": 6 * N}
     if db.hull_vertices is not None and db.hull_faces is not None:
         sizes |= {"hull_vertex": len(db.hull_vertices), "hull_face": len(db.hull_faces), "corner": 4}
     for name, size in sizes.items():
         file.createDimension(name, size)
     labels = {
         "complex": ("re", "im"),
-        "influenced_dof": DOF_NAMES,
-        "radiating_dof": DOF_NAMES,
-        "body": (db.name,),
+        "influenced_dof": dofs,
+        "radiating_dof": dofs,
+        "body": db.bodies,
     }
     for name, words in labels.items():
         file.createVariable(name, str, (name,))[:] = np.array(words, dtype=object)
@@ -234,7 +273,7 @@ def _fill(file: Any, db: HydroDatabase) -> None:
         value = getattr(db, name)
         if value is None or not set(axes) <= set(sizes):
             continue
-        kind = "f8" if name in _EXACT else "i4" if name == "hull_faces" else "f4"
+        kind = "f8" if name in _EXACT else "i4" if name in ("hull_faces", "hull_body") else "f4"
         if "complex" in axes:
             value = np.stack([value.real, value.imag])
         variable = file.createVariable(name, kind, axes, zlib=True, complevel=9, shuffle=True)
@@ -243,6 +282,7 @@ def _fill(file: Any, db: HydroDatabase) -> None:
         variable.long_name = name.replace("_", " ")
     for name, value in db.source.items():
         file.setncattr(name, value)
+    file.title = db.name
     file.time_sign, file.phase_origin = _PLUS, _PHASE_ORIGIN
     file.water_depth, file.rho, file.g = db.depth, db.density, db.gravity
 
@@ -269,20 +309,20 @@ def _contents(file: Any, label: str) -> dict[str, Any]:
             problems.append(f"{label}: '{name}' has dimensions {variable.dimensions}, must be {axes}")
             continue
         values[name] = np.transpose(variable[:], [variable.dimensions.index(axis) for axis in axes])
-        if "body" in axes and len(values[name]) != 1:
-            problems.append(f"{label}: '{name}' is for {len(values[name])} bodies, only one is supported")
-        elif "body" in axes:
-            values[name] = values[name][0]
     if problems:
         raise ModelError(problems)
-    re, im = values["excitation"].astype(np.float64)
-    values["excitation"] = re + 1j * im if attributes["time_sign"] == _PLUS else re - 1j * im
+    for name in ("excitation", "froude_krylov"):
+        if name in values:
+            re, im = values[name].astype(np.float64)
+            values[name] = re + 1j * im if attributes["time_sign"] == _PLUS else re - 1j * im
+    bodies = tuple(str(item) for item in file["body"][:]) if "body" in file.variables else ()
     numbers = {"depth": "water_depth", "density": "rho", "gravity": "g"}
     source = {key: value for key, value in attributes.items() if key not in _OWN_ATTRIBUTES}
     return {
         **values,
         **{key: float(attributes[name]) for key, name in numbers.items()},
-        "name": str(file["body"][0]) if "body" in file.variables else Path(file.filepath()).name,
+        "name": str(attributes.get("title") or (bodies[0] if bodies else Path(file.filepath()).name)),
+        "bodies": bodies,
         "omega": file["omega"][:],
         "headings": file["wave_direction"][:],
         "source": {
@@ -309,7 +349,7 @@ def check_database(db: HydroDatabase) -> tuple[Finding, ...]:
     """Physical consistency of a database; every check gives a finding, also when it is passed.
 
     - finite numbers (if not, nothing else is looked at),
-    - symmetry of A, B, A_inf and C; entries are scaled by the diagonal,
+    - symmetry of A, B, A_inf and C, between bodies too; entries are scaled by the diagonal,
     - B positive semi-definite: waves carry energy away,
     - A(w) - A_inf = 2/pi P int B(s) / (s^2 - w^2) ds (Ogilvie 1964), over w <= w_max / 2,
     - heave excitation at the lowest frequency against rho g A_wp - w^2 (rho V + A33): a small body
@@ -323,22 +363,21 @@ def check_database(db: HydroDatabase) -> tuple[Finding, ...]:
         )
     findings = [Finding("ok", "finite numbers", 0, 0, "no NaN, no infinite value")]
     mass, damping = _mass_scale(db), _damping_scale(db)
-    force = db.density * db.gravity * db.volume ** (2.0 / 3.0)
-    length = db.volume ** (1.0 / 3.0)
-    stiffness = np.sqrt(force * np.array([1.0, 1.0, 1.0, length**2, length**2, length**2]))
+    stiffness = np.sqrt(_per_dof(db, db.density * db.gravity * db.volume ** (2.0 / 3.0)))
     # buoyancy beside the reference point turns with the yaw: C46 = -rho g V x_B, C56 = -rho g V y_B stand alone
     tilting = db.hydrostatic_stiffness.copy()
-    tilting[3:5, 5] = tilting[5, 3:5]
+    for yaw in range(5, len(tilting), 6):
+        tilting[yaw - 2 : yaw, yaw] = tilting[yaw, yaw - 2 : yaw]
     for label, matrix, scale in (
         ("added mass", db.added_mass, mass),
         ("radiation damping", db.radiation_damping, damping),
         ("added mass at infinite frequency", db.added_mass_inf, mass),
         ("hydrostatic stiffness", tilting, stiffness),
     ):
-        findings.append(_symmetry(label, matrix, scale))
+        findings.append(_symmetry(db, label, matrix, scale))
     findings.append(_positive_damping(db, damping))
     findings.append(_infinite_frequency(db, mass))
-    findings.append(_long_wave_heave(db))
+    findings += [_long_wave_heave(db, k) for k in range(len(db.bodies))]
     findings.append(_highest_frequency(db))
     findings.append(_frequency_step(db))
     findings.append(_heading_step(db))
@@ -352,8 +391,9 @@ def require_match(
     reference_point: tuple[float, float, float] | NDArray[np.float64],
     density: float,
     gravity: float,
+    body: int = 0,
 ) -> None:
-    """Refuse a database made for another site or about another point.
+    """Refuse a database made for another site, or about another point of its body number `body`.
 
     Allowed: depth, density and gravity within 1 %, 0.5 % and 0.1 %, the reference point (m, world frame,
     drawing position) within 0.01 m. Raises ModelError with all that does not fit.
@@ -370,9 +410,10 @@ def require_match(
                 f"has {want:g} {unit} (allowed difference {100 * allowed:g} %); take one computed for it"
             )
     point = np.asarray(reference_point, dtype=np.float64)
-    if np.linalg.norm(db.reference_point - point) > 0.01:
+    if np.linalg.norm(db.reference_point[body] - point) > 0.01:
+        of = f" of '{db.bodies[body]}'" if len(db.bodies) > 1 else ""
         problems.append(
-            f"hydrodynamic database '{db.name}': reference point is {_point(db.reference_point)} m, "
+            f"hydrodynamic database '{db.name}': reference point{of} is {_point(db.reference_point[body])} m, "
             f"the body's is {_point(point)} m (allowed difference 0.01 m); move the body's or recompute"
         )
     if problems:
@@ -412,10 +453,15 @@ def _diagonal_max(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _mass_scale(db: HydroDatabase) -> NDArray[np.float64]:
-    """(6,) square roots of typical diagonal entries; never zero (yaw of a body of revolution)."""
-    length = db.volume ** (1.0 / 3.0)
-    floor = 1e-3 * db.density * db.volume * np.array([1.0, 1.0, 1.0, length**2, length**2, length**2])
+    """(d,) square roots of typical diagonal entries; never zero (yaw of a body of revolution)."""
+    floor = 1e-3 * _per_dof(db, db.density * db.volume)
     return np.sqrt(np.maximum(_diagonal_max(db.added_mass), floor))
+
+
+def _per_dof(db: HydroDatabase, size: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(d,) from one number per body (N,): as it is for translations, times a length squared for rotations."""
+    rotations = size * db.volume ** (2.0 / 3.0)
+    return np.stack([size, size, size, rotations, rotations, rotations], axis=1).ravel()
 
 
 def _damping_scale(db: HydroDatabase) -> NDArray[np.float64]:
@@ -423,8 +469,16 @@ def _damping_scale(db: HydroDatabase) -> NDArray[np.float64]:
     return np.sqrt(np.maximum(_diagonal_max(db.radiation_damping), floor))
 
 
-def _pair(i: int, j: int) -> str:
-    return f"{DOF_NAMES[i].lower()}-{DOF_NAMES[j].lower()}"
+def _dof(db: HydroDatabase, i: int) -> str:
+    return (f"{db.bodies[i // 6]} " if len(db.bodies) > 1 else "") + DOF_NAMES[i % 6].lower()
+
+
+def _pair(db: HydroDatabase, i: int, j: int) -> str:
+    return f"{_dof(db, i)}-{_dof(db, j)}"
+
+
+def _bodies(count: int) -> str:
+    return "1 body" if count == 1 else f"{count} bodies"
 
 
 def _graded(quantity: str, measured: float, warn: float, fail: float, good: str, bad: str) -> Finding:
@@ -435,14 +489,14 @@ def _graded(quantity: str, measured: float, warn: float, fail: float, good: str,
     return Finding(severity, quantity, float(measured), warn, good if severity == "ok" else bad)
 
 
-def _symmetry(label: str, matrix: NDArray[np.float64], scale: NDArray[np.float64]) -> Finding:
+def _symmetry(db: HydroDatabase, label: str, matrix: NDArray[np.float64], scale: NDArray[np.float64]) -> Finding:
     error = np.abs(matrix - np.swapaxes(matrix, -1, -2)) / np.outer(scale, scale)
-    error = error.reshape(-1, 6, 6).max(axis=0)
+    error = error.reshape(-1, *error.shape[-2:]).max(axis=0)
     i, j = (int(k) for k in np.unravel_index(np.argmax(error), error.shape))
     size = error[i, j]
     good = f"{label} is symmetric within {100 * size:.2g} % of its diagonal"
     bad = (
-        f"{label}: {_pair(i, j)} and {_pair(j, i)} differ by {100 * size:.2g} % of the diagonal; "
+        f"{label}: {_pair(db, i, j)} and {_pair(db, j, i)} differ by {100 * size:.2g} % of the diagonal; "
         "a coarse mesh, rows and columns mixed up, or moments about another point"
     )
     return _graded(f"symmetry of {label}", size, 0.03, 0.15, good, bad)
@@ -468,26 +522,28 @@ def _infinite_frequency(db: HydroDatabase, scale: NDArray[np.float64]) -> Findin
     i, j = (int(k) for k in np.unravel_index(np.argmax(error), error.shape))
     size = error[i, j]
     text = (
-        f"A_inf {_pair(i, j)} is {db.added_mass_inf[i, j]:.4g}, A(w) and B(w) imply "
+        f"A_inf {_pair(db, i, j)} is {db.added_mass_inf[i, j]:.4g}, A(w) and B(w) imply "
         f"{implied[low, i, j].mean():.4g} (rms difference {100 * size:.2g} % of the diagonal)"
     )
     hint = "; A_inf of another case, frequencies that end too early or are too far apart"
     return _graded("added mass at infinite frequency", size, 0.02, 0.1, text, text + hint)
 
 
-def _long_wave_heave(db: HydroDatabase) -> Finding:
-    label = "long-wave heave excitation"
-    w, stiffness = db.omega[0], db.hydrostatic_stiffness[2, 2]
-    if stiffness < 1e-3 * db.density * db.gravity * db.volume ** (2.0 / 3.0):
+def _long_wave_heave(db: HydroDatabase, body: int) -> Finding:
+    label = "long-wave heave excitation" + (f" of {db.bodies[body]}" if len(db.bodies) > 1 else "")
+    heave = 6 * body + 2
+    w, stiffness = db.omega[0], db.hydrostatic_stiffness[heave, heave]
+    if stiffness < 1e-3 * db.density * db.gravity * db.volume[body] ** (2.0 / 3.0):
         return Finding("ok", label, 0.0, 0.0, "not looked at: the body has no waterplane")
-    inertia = w**2 * (db.density * db.volume + db.added_mass[0, 2, 2])
+    # in long waves all bodies' water moves alike: the added mass of one is that of its row
+    inertia = w**2 * (db.density * db.volume[body] + db.added_mass[0, heave, 2::6].sum())
     allowed = 0.02 + 0.5 * inertia / stiffness
     if allowed > 0.25:
         text = f"not looked at: at the lowest frequency, {w:.3g} rad/s, waves are not long enough"
         return Finding("warning", label, 0.0, 0.25, text)
-    error = np.abs(db.excitation[0, :, 2] - (stiffness - inertia)) / stiffness
+    error = np.abs(db.excitation[0, :, heave] - (stiffness - inertia)) / stiffness
     k = int(np.argmax(error))
-    got, size = db.excitation[0, k, 2], float(error[k])
+    got, size = db.excitation[0, k, heave], float(error[k])
     text = (
         f"at {w:.3g} rad/s, heading {np.degrees(db.headings[k]):.0f} deg, X3 is {got.real:.4g} "
         f"{got.imag:+.2g}i N/m, the waterplane says {stiffness - inertia:.4g}"
@@ -501,7 +557,7 @@ def _highest_frequency(db: HydroDatabase) -> Finding:
     i = int(np.argmax(share))
     size = float(share[i])
     text = (
-        f"at the highest frequency, {db.omega[-1]:.3g} rad/s, {DOF_NAMES[i].lower()} damping is down to "
+        f"at the highest frequency, {db.omega[-1]:.3g} rad/s, {_dof(db, i)} damping is down to "
         f"{100 * size:.2g} % of its peak"
     )
     hint = "; the radiation memory will ring: compute higher frequencies"

@@ -89,8 +89,8 @@ class Excitation:
         X[above] = 0.0
         # the database's phases refer to the origin it was drawn in, where the reference point need not be
         c, s = math.cos(heading), math.sin(heading)
-        x0 = position[0] - c * db.reference_point[0] + s * db.reference_point[1]
-        y0 = position[1] - s * db.reference_point[0] - c * db.reference_point[1]
+        x, y = db.reference_point[0, :2]
+        x0, y0 = position[0] - c * x + s * y, position[1] - s * x - c * y
         phase = sea.phase - sea.wave_number * (x0 * np.cos(sea.heading) + y0 * np.sin(sea.heading))
         coefficients = X * (sea.amplitude * np.exp(1j * phase))[:, None]
         return cls(sea.omega.copy(), coefficients, float(ramp), left_out)

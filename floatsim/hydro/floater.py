@@ -91,7 +91,7 @@ class PotentialFlow(Description):
     @property
     def volume(self) -> float:
         """Displaced volume at the drawing position [m3]."""
-        return self.displaced_volume if self.displaced_volume is not None else self.data.volume
+        return self.displaced_volume if self.displaced_volume is not None else float(self.data.volume[0])
 
     def attached_to(self, body: Any) -> list[Part]:
         """The parts that carry these loads."""
@@ -246,7 +246,7 @@ class FloaterBatch:
             waves = sea.waves
             heading = math.radians(body.attitude_deg[2])
             try:
-                point = (*db.reference_point[:2], body.position[2])  # still water is the same everywhere
+                point = (*db.reference_point[0, :2], body.position[2])  # still water is the same everywhere
                 require_match(db, depth=sea.depth, reference_point=point, density=sea.density, gravity=gravity)
                 self.kernels.append(RadiationKernel.from_database(db, flow.memory, flow.memory_grid))
                 self.excitations.append(
@@ -260,7 +260,7 @@ class FloaterBatch:
             self.matrices[b, 1] = db.added_mass_inf
             self.matrices[b, 2] = flow.linear_damping
             self.matrices[b, 3] = flow.quadratic_damping
-            xb, yb = (db.centre_of_buoyancy - db.reference_point)[:2]
+            xb, yb = (db.centre_of_buoyancy - db.reference_point)[0, :2]
             turn = turn_quaternion((0.0, 0.0, heading), (1.0, 0.0, 0.0, 0.0))
             self.P[b] = (math.cos(heading), math.sin(heading), *body.position, *turn, weight, weight * yb, -weight * xb)
         self._Y, self._L, self._K = np.zeros((5, 6)), np.zeros((3, 3)), np.zeros((6, 6))

@@ -74,7 +74,7 @@ def read_wamit(
         headings=headings,
         excitation=force * density * gravity * length ** (2.0 + _ROTATION),
         hydrostatic_stiffness=stiffness,
-        volume=volume,
+        volume=np.array(volume),
         centre_of_buoyancy=np.array(centre_of_buoyancy),
         reference_point=np.array(reference_point),
         depth=depth,

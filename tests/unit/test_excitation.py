@@ -54,7 +54,7 @@ def database(headings_deg=None, omega=None):
         headings=headings,
         excitation=X,
         hydrostatic_stiffness=stiffness(),
-        reference_point=np.zeros(3),
+        reference_point=np.zeros((1, 3)),
     )
 
 
@@ -100,7 +100,7 @@ def test_reference_point_away_from_the_databases_origin():
     sea = RegularWave(height=2.0, period=9.0, heading_deg=20.0).realise(np.inf, G)
     plain = Excitation.from_database(database(), sea, position=(50.0, 8.0), heading=0.5)
     shifted = database()
-    shifted.reference_point = np.array([4.0, -3.0, 0.0])
+    shifted.reference_point = np.array([[4.0, -3.0, 0.0]])
     c, s = np.cos(0.5), np.sin(0.5)
     at = (50.0 + c * 4.0 + s * 3.0, 8.0 + s * 4.0 - c * 3.0)
     same = Excitation.from_database(shifted, sea, position=at, heading=0.5)

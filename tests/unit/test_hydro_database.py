@@ -280,7 +280,10 @@ def edited(path: Path, change: Callable[[xr.Dataset], xr.Dataset]) -> Path:
             lambda data: data.assign_attrs(time_sign="?"),
             r"time_sign is '\?', must be 'exp\(\+i omega t\)' or",
         ),
-        (lambda data: xr.concat([data, data], "body", data_vars="minimal"), "for 2 bodies, only one"),
+        (
+            lambda data: xr.concat([data, data], "body", data_vars="minimal"),
+            r"must be \(60, 12, 12\) \(60 frequencies, 36 headings, 2 bodies\)",
+        ),
     ],
 )
 def test_unusable_files_are_refused(
@@ -350,7 +353,7 @@ def test_shipped_database_is_small_and_consistent(shipped: HydroDatabase) -> Non
 def test_shipped_database_has_the_published_hydrostatics(shipped: HydroDatabase) -> None:
     """Allen et al. (2020), NREL/TP-5000-76773: 20206 m3, centre of buoyancy 13.63 m below the surface."""
     assert shipped.volume == pytest.approx(20206.35, abs=0.01)  # PtfmVol0 of the OpenFAST model
-    assert shipped.centre_of_buoyancy[2] == pytest.approx(-13.63, abs=0.005)
+    assert shipped.centre_of_buoyancy[0, 2] == pytest.approx(-13.63, abs=0.005)
     waterplane = math.pi * (5.0**2 + 3 * 6.25**2)
     assert shipped.hydrostatic_stiffness[2, 2] == pytest.approx(1025.0 * 9.81 * waterplane, rel=1e-12)
     # three outer columns at 51.75 m: I = 3/2 A R^2 + sum pi r^4 / 4
@@ -465,3 +468,45 @@ def test_shipped_against_wamit(shipped: HydroDatabase) -> None:
     assert np.diag(shipped.added_mass[11]) == pytest.approx(at_06, rel=0.015)
     damping = [1.215e6, 1.215e6, 3.177e6, 6.306e8, 6.306e8, 4.780e8]
     assert np.diag(shipped.radiation_damping[11]) == pytest.approx(damping, rel=0.02)
+
+
+def two_bodies() -> HydroDatabase:
+    """The consistent body twice, 100 m apart and without influence on each other."""
+    one = consistent()
+    twice = np.eye(2)
+    return replace(
+        one, name="pair", bodies=("left", "right"),
+        added_mass=np.kron(twice, one.added_mass), radiation_damping=np.kron(twice, one.radiation_damping),
+        added_mass_inf=np.kron(twice, one.added_mass_inf), added_mass_zero=None,
+        excitation=np.tile(one.excitation, (1, 1, 2)), froude_krylov=np.tile(0.5 * one.excitation, (1, 1, 2)),
+        mean_drift=np.tile(one.excitation.real, (1, 1, 2)),
+        hydrostatic_stiffness=np.kron(twice, one.hydrostatic_stiffness), volume=np.tile(one.volume, 2),
+        centre_of_buoyancy=one.centre_of_buoyancy + [[0.0, -50.0, 0.0], [0.0, 50.0, 0.0]],
+        reference_point=[[0.0, -50.0, 0.0], [0.0, 50.0, 0.0]],
+    )  # fmt: skip
+
+
+def test_two_bodies(tmp_path: Path) -> None:
+    db = two_bodies()
+    db.write(tmp_path / "pair.nc")
+    back = HydroDatabase.read(tmp_path / "pair.nc")
+    assert (back.name, back.bodies) == ("pair", ("left", "right"))
+    for name in ("added_mass", "excitation", "froude_krylov", "mean_drift", "reference_point", "volume"):
+        np.testing.assert_allclose(getattr(back, name), getattr(db, name), rtol=1e-6, atol=1e-6)
+    with xr.open_dataset(tmp_path / "pair.nc") as file:
+        assert str(file.radiating_dof.values[8]) == "right__Heave"
+    assert [finding.severity for finding in check_database(db)].count("error") == 0
+    assert db.index("right") == db.index(1) == 1
+    with pytest.raises(ModelError, match="there is no body 'middle'; it has 'left', 'right'"):
+        db.index("middle")
+    with pytest.raises(ModelError, match="2 bodies are called 'left'"):
+        replace(db, bodies=("left", "left"))
+
+
+def test_coupling_that_is_not_symmetric_is_found() -> None:
+    db = two_bodies()
+    A = db.added_mass.copy()
+    A[:, 2, 8] += 0.5 * A[:, 2, 2]
+    worst = max(check_database(replace(db, added_mass=A)), key=lambda finding: finding.severity == "error")
+    assert (worst.severity, worst.quantity) == ("error", "symmetry of added mass")
+    assert "left heave-right heave" in worst.message

@@ -90,8 +90,8 @@ def test_dimensions(tmp_path: Path) -> None:
     assert db.hydrostatic_stiffness[4, 4] == pytest.approx(3.0 * 10e3 * 16.0)
     assert db.hydrostatic_stiffness[3, 5] == pytest.approx(0.5 * 10e3 * 16.0)
     assert (db.name, db.volume, db.depth, db.density, db.gravity) == ("hull.v2", 50.0, 30.0, RHO, G)
-    assert db.centre_of_buoyancy.tolist() == [0.0, 0.0, -1.0]
-    assert db.reference_point.tolist() == [1.0, 0.0, -2.0]
+    assert db.centre_of_buoyancy.tolist() == [[0.0, 0.0, -1.0]]
+    assert db.reference_point.tolist() == [[1.0, 0.0, -2.0]]
 
 
 def test_special_periods(tmp_path: Path) -> None:

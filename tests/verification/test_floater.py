@@ -48,7 +48,7 @@ def floater(db: fs.HydroDatabase, name: str = "floater", cm: Any = CM, **changes
     """A rigid body of the displaced mass; keywords of Body, or of PotentialFlow."""
     own = {key: changes.pop(key) for key in ("position", "attitude_deg", "mass") if key in changes}
     J = INERTIA
-    own.setdefault("mass", RHO * db.volume)
+    own.setdefault("mass", RHO * db.volume[0])
     return fs.Body(
         name=name, center_of_mass=cm, inertia=(J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]),
         hydro=fs.PotentialFlow(database=db, **changes), **own,
@@ -99,8 +99,8 @@ def between(x: float, grid: np.ndarray, table: np.ndarray) -> np.ndarray:
 
 def wave_damping(db: fs.HydroDatabase) -> np.ndarray:
     """5 % of critical in every degree of freedom on its own, with A at the lowest frequency."""
-    stiffness = np.diag(db.hydrostatic_stiffness + weight_stiffness(RHO * db.volume, CM) + MOORING)
-    mass = np.diag(rigid_mass(RHO * db.volume, CM) + db.added_mass[0])
+    stiffness = np.diag(db.hydrostatic_stiffness + weight_stiffness(RHO * db.volume[0], CM) + MOORING)
+    mass = np.diag(rigid_mass(RHO * db.volume[0], CM) + db.added_mass[0])
     return np.diag(0.1 * np.sqrt(stiffness * mass))
 
 
@@ -110,7 +110,7 @@ def frequency_domain(db: fs.HydroDatabase, omega: float, heading_deg: float) -> 
     at = int(np.argmin(np.abs(np.degrees(db.headings) - heading_deg)))
     assert np.degrees(db.headings[at]) == pytest.approx(heading_deg, abs=1e-3)
     X = between(omega, db.omega, db.excitation)[at]
-    mass = RHO * db.volume
+    mass = RHO * db.volume[0]
     stiffness = db.hydrostatic_stiffness + weight_stiffness(mass, CM) + MOORING
     inertia = rigid_mass(mass, CM) + A
     return np.linalg.solve(-(omega**2) * inertia + 1j * omega * (B + wave_damping(db)) + stiffness, X)
@@ -301,7 +301,7 @@ def exp(phi: Any) -> np.ndarray:
 
 def test_restoring_by_differences_is_database_plus_weight(db, record):
     """All 36 entries, centre of mass off the axis; C44 is one of them."""
-    mass, cm = 1.02 * RHO * db.volume, np.array([0.7, -0.4, -3.0])
+    mass, cm = 1.02 * RHO * db.volume[0], np.array([0.7, -0.4, -3.0])
     system = fs.assemble(fs.Model(parts=[floater(db, cm=cm, mass=mass)], sea=SEA))
     want = db.hydrostatic_stiffness + weight_stiffness(mass, cm)
     e, got = 1e-4, np.zeros((6, 6))
@@ -319,7 +319,7 @@ def test_restoring_by_differences_is_database_plus_weight(db, record):
 
 def test_the_tangent_is_the_same_restoring(db, record):
     """What statics and modes use."""
-    mass, cm = 1.02 * RHO * db.volume, np.array([0.7, -0.4, -3.0])
+    mass, cm = 1.02 * RHO * db.volume[0], np.array([0.7, -0.4, -3.0])
     system = fs.assemble(fs.Model(parts=[floater(db, cm=cm, mass=mass)], sea=SEA))
     state = system.initial_state()
     w = system.work()
@@ -334,17 +334,17 @@ def test_the_tangent_is_the_same_restoring(db, record):
 
 def test_surge_changes_no_hydrostatic_moment(db, record):
     """20 m of surge, upright and heeled: buoyancy goes with the floater."""
-    system = fs.assemble(fs.Model(parts=[floater(db, mass=0.9 * RHO * db.volume)], sea=SEA))
+    system = fs.assemble(fs.Model(parts=[floater(db, mass=0.9 * RHO * db.volume[0])], sea=SEA))
     worst = 0.0
     for R in (np.eye(3), matrix_from_angles(0.05, 0.1, 0.0)):
         moved, there = total_load(system, np.array([20.0, -7.0, 0.0]), R), total_load(system, np.zeros(3), R)
-        worst = max(worst, float(np.abs(moved - there).max() / (RHO * GRAVITY * db.volume)))
+        worst = max(worst, float(np.abs(moved - there).max() / (RHO * GRAVITY * db.volume[0])))
     record(ROW_STATICS, "20 m of surge: change of load over the weight", worst, 1e-14)
 
 
 def test_moment_at_a_large_angle_in_closed_form(db, record):
     """-C55 theta + m g z_G sin(theta): waterplane linear in the tilt, weight at any angle."""
-    mass = RHO * db.volume
+    mass = RHO * db.volume[0]
     theta = np.radians(20.0)
     worst = 0.0
     for psi in (0.0, 37.0):
@@ -373,7 +373,7 @@ def test_a_yawed_floater_rights_itself_about_the_axis_of_its_tilt(db, record, ps
     theta = np.radians(6.0)
     axis = np.array([np.cos(0.3), np.sin(0.3), 0.0])
     moment = total_load(system, np.zeros(3), exp(theta * axis) @ about_z(np.radians(psi)))[3:]
-    want = -db.hydrostatic_stiffness[4, 4] * theta + RHO * db.volume * GRAVITY * CM[2] * np.sin(theta)
+    want = -db.hydrostatic_stiffness[4, 4] * theta + RHO * db.volume[0] * GRAVITY * CM[2] * np.sin(theta)
     record(ROW_STATICS, f"moment of a tilted floater, yawed by {psi:g} deg", np.abs(moment / want - axis).max(), 1e-9)
 
 
@@ -446,7 +446,7 @@ def test_offset_in_a_current_in_closed_form(db, record, psi):
     got = np.concatenate([T.T @ state.x[0], T.T @ turned_by(state, system.initial_state())])
     u = np.zeros(6)
     u[:2] = speed * np.cos(np.radians(25.0)), speed * np.sin(np.radians(25.0))
-    stiffness = db.hydrostatic_stiffness + weight_stiffness(RHO * db.volume, CM) + MOORING
+    stiffness = db.hydrostatic_stiffness + weight_stiffness(RHO * db.volume[0], CM) + MOORING
     want = np.linalg.solve(stiffness, QUADRATIC @ (np.abs(u) * u))
     size = np.abs(want).reshape(2, 3).max(axis=1).repeat(3)
     # second-order terms of the rotations: half their square
