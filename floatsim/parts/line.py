@@ -412,7 +412,8 @@ class LineBatch:
             index = np.array(members, dtype=np.int64)
             law = sections[members[0]].axial_law
             new = np.zeros((law.memory, len(index)))
-            self.laws.append((law, index, law.bind(np.ascontiguousarray(self.P[index, CA])), new))
+            room = np.zeros(len(index)), np.zeros(len(index)), np.zeros((3, len(index)))
+            self.laws.append((law, index, law.bind(np.ascontiguousarray(self.P[index, CA])), new, room))
         self.remembers = bool(self.laws)
         self.rough = bool(self.P[:, MU_A : MU_N + 1].any())
 
@@ -455,7 +456,7 @@ class LineBatch:
         stick[:, :3] = state.x[self.nodes.ravel()]
         d = np.diff(state.x[self.nodes], axis=1)[:, 0]
         stick[:, 3:] = np.repeat(d / np.linalg.norm(d, axis=1)[:, None], 2, axis=0)
-        self._old, self._h = [law.start(self._s[index]) for law, index, _, _ in self.laws], -1.0
+        self._old, self._h = [law.start(self._s[index]) for law, index, *_ in self.laws], -1.0
         if self.laws:
             self._special(state.x, state.v)
         history = {"t": state.t, "broken": np.zeros(len(self.breaks), dtype=bool), "stick": stick, "laws": self._old}
@@ -477,13 +478,13 @@ class LineBatch:
         self._old, self._h = before["laws"], -1.0
         if self.laws:
             self._special(state.x, state.v)
-            for (_, _, _, new), own in zip(self.laws, after["laws"], strict=True):
+            for (*_, new, _), own in zip(self.laws, after["laws"], strict=True):
                 np.copyto(own, new)
         after.update(self._tensions_at(state))
 
     def unused(self, history: dict[str, Any]) -> None:
         """Ropes that were never stretched: how they are drawn says nothing about it."""
-        history["laws"] = [law.start(np.ones(len(index))) for law, index, _, _ in self.laws]
+        history["laws"] = [law.start(np.ones(len(index))) for law, index, *_ in self.laws]
 
     def _part(self, broken: NDArray[np.bool_]) -> None:
         """Let the elements that are broken carry nothing, all others what they did when new."""
@@ -518,10 +519,10 @@ class LineBatch:
 
     def _special(self, x: Array, v: Array) -> None:
         stretches(x, v, self.nodes, self.P, self._s, self._rate)
-        out = np.zeros((3, 0))
-        for (_, index, evaluate, new), old in zip(self.laws, self._old, strict=True):
-            out = np.zeros((3, len(index)))
-            evaluate(self._s[index], self._rate[index], old, new, self._h, out)
+        for (_, index, evaluate, new, (s, rate, out)), old in zip(self.laws, self._old, strict=True):
+            np.take(self._s, index, out=s)
+            np.take(self._rate, index, out=rate)
+            evaluate(s, rate, old, new, self._h, out)
             self.special[:, index] = out
 
     def error(self, history: dict[str, Any], w: Any) -> float:
@@ -557,7 +558,7 @@ class LineBatch:
                 over = w.t >= item.time - 1e-9 if item.time is not None else tension[k] >= item.tension
                 if over and not history["broken"][k]:
                     history["broken"][k] = w.event = True
-        for (law, _, _, new), old in zip(self.laws, history["laws"], strict=True):
+        for (law, *_, new, _), old in zip(self.laws, history["laws"], strict=True):
             if law.memory:
                 np.copyto(old, new)
 

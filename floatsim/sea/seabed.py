@@ -193,7 +193,10 @@ def friction(x, n, stick, direction, slip, mu_a, mu_n):  # type: ignore[no-untyp
     u = in_plane(n, minus(x, stick))
     ea = in_plane(n, direction)
     size = math.sqrt(dot(ea, ea))
-    ea = times(1.0 / size, ea) if size > 1e-6 else in_plane(n, (1.0, 0.0, 0.0))
+    if size <= 1e-6:  # the line stands upright on the bed: any direction will do
+        ea = in_plane(n, (1.0, 0.0, 0.0))
+        size = math.sqrt(dot(ea, ea))
+    ea = times(1.0 / size, ea)
     en = cross(n, ea)
     r = math.sqrt(dot(u, u)) / slip
     q = 1.0 / (max(r, 1.0) * slip)

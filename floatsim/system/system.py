@@ -106,7 +106,6 @@ class System:
         self.n = self.n_dof + self.n_con
         self.layout = self._layout()
         sea = model.sea
-        self.current = sea.current.velocity
         self.waves = None if sea.waves is None else sea.waves.realise(sea.depth, model.gravity)
         wet = [batch.wet_points for batch in self.batches if hasattr(batch, "wet_points")]
         self.wet_points = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *wet]))
@@ -191,9 +190,9 @@ class System:
     def work(self) -> Work:
         """Fresh scratch for evaluations."""
         w = Work(self.n_point, self.n_rotation, self.n, self.n_con, self.layout.size)
-        w.u[: self.n_point] = self.current
         sea, points = self.model.sea, self.wet_points
-        # a uniform current stands in w.u from the start
+        # a uniform current stands in w.u from the start; bodies keep that of the depth they are drawn at
+        w.u[: self.n_point] = sea.current.at(self.x0[: self.n_point, 2], sea.depth)
         if len(points) and sea.current.profile is not None:
             w.still_water = Kinematics(None, sea.current, sea.depth, 0.0, sea.stretching, points)
         w.water = w.still_water

@@ -83,11 +83,12 @@ def test_speeds_stay_between_those_of_the_rows(rows, z):
         assert got == pytest.approx([expected * np.cos(b), expected * np.sin(b), 0.0], abs=1e-9)
 
 
-def test_bodies_feel_the_current_at_the_surface():
-    body = fs.Body(name="buoy", mass=1.0, inertia=(1.0, 1.0, 1.0))
+@pytest.mark.parametrize(("z", "expected"), [(0.0, [0.0, 0.7, 0.0]), (10.0, [0.0, 0.7, 0.0]), (-50.0, [0.1, 0.0, 0.0])])
+def test_bodies_feel_the_current_of_the_depth_they_are_drawn_at(z, expected):
+    body = fs.Body(name="buoy", mass=1.0, inertia=(1.0, 1.0, 1.0), position=(0.0, 0.0, z))
     current = Current.table(depths=[0, 50], speeds=[0.7, 0.1], headings_deg=[90.0, 0.0])
     system = fs.assemble(fs.Model(parts=[body], sea=fs.Sea(depth=50.0, current=current)))
-    assert system.current == pytest.approx([0.0, 0.7, 0.0], abs=1e-15)
+    assert system.work().u[0] == pytest.approx(expected, abs=1e-15)
 
 
 ROWS = {"depths": [0, 10], "speeds": [1.0, 0.5], "headings_deg": [0.0, 20.0]}
