@@ -25,10 +25,20 @@ from floatsim.parts.point_mass import PointMass
 from floatsim.parts.section import Attachment, BendStiffener, Break, Piece, Section
 from floatsim.parts.shapes import Arc, Catenary, Nodes, Straight, ThreeCircles
 from floatsim.parts.spring import Spring
+from floatsim.sea.elevation_series import ElevationSeries
+from floatsim.sea.focused import FocusedWave
 from floatsim.sea.seabed import Bathymetry, Seabed
 from floatsim.sea.site import Current, CurrentTable, PowerLaw, Sea
-from floatsim.sea.spectra import Jonswap, PiersonMoskowitz
-from floatsim.sea.waves import IrregularWaves, RegularWave, WaveComponents
+from floatsim.sea.spectra import (
+    Bretschneider,
+    Jonswap,
+    OchiHubble,
+    PiersonMoskowitz,
+    SpectrumTable,
+    Torsethaugen,
+    WhiteNoise,
+)
+from floatsim.sea.waves import CombinedWaves, IrregularWaves, RegularWave, WaveComponents
 from floatsim.solve.modes import Mode, natural_modes
 from floatsim.solve.scheme import Scheme, generalised_alpha, hht, newmark
 from floatsim.solve.static import StaticReport, solve_static
@@ -44,12 +54,13 @@ from floatsim.version import __version__
 
 __all__ = [
     "__version__", "Arc", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break",
-    "CaseError", "Catenary", "check_database", "Clamp", "Current", "CurrentTable", "decay_test", "DecayTest",
-    "diameter_from_weights", "Engineering", "Expected", "FloatsimError", "generalised_alpha", "hht", "HydroDatabase",
-    "IrregularWaves", "Jonswap", "Line", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion",
-    "natural_modes", "newmark", "Nodes", "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow", "PowerLaw",
-    "Prescribed", "range_graph", "RangeGraph", "read_moordyn", "read_wamit", "RegularWave", "Run", "Scheme", "Sea",
-    "Seabed", "Section", "section_lengths", "simulate", "sizing", "solve_static", "SolveFailed", "Spring", "State",
-    "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TensionTable",
-    "ThreeCircles", "WaveComponents", "Weld",
+    "Bretschneider", "CaseError", "Catenary", "check_database", "Clamp", "CombinedWaves", "Current", "CurrentTable",
+    "decay_test", "DecayTest", "diameter_from_weights", "ElevationSeries", "Engineering", "Expected", "FloatsimError",
+    "FocusedWave", "generalised_alpha", "hht", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Mode", "Model",
+    "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark", "Nodes", "OchiHubble",
+    "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow", "PowerLaw", "Prescribed", "range_graph", "RangeGraph",
+    "read_moordyn", "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "section_lengths",
+    "simulate", "sizing", "solve_static", "SolveFailed", "SpectrumTable", "Spring", "State", "StaticDynamic",
+    "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TensionTable", "ThreeCircles",
+    "Torsethaugen", "WaveComponents", "Weld", "WhiteNoise",
 ]  # fmt: skip

@@ -152,9 +152,10 @@ def current_at(z, depth, table, exponent):  # type: ignore[no-untyped-def]
 class Sea(Description):
     """Water of `depth` [m] and `density` [kg/m3] with a seabed, a current and waves.
 
-    waves: None (still water) or a description from `floatsim.sea` (RegularWave, IrregularWaves,
-    WaveComponents). wave_ramp [s]: cosine ramp of the wave loads at the start of a run. stretching: how the waves'
-    motion is continued to the instantaneous surface, `vertical`, `wheeler` or `extrapolation`; see sea/kinematics.py.
+    waves: None (still water) or a description from `floatsim.sea` (RegularWave, IrregularWaves, WaveComponents,
+    FocusedWave, ElevationSeries, CombinedWaves). wave_ramp [s]: cosine ramp of the wave loads at the start of a run;
+    refused if it is not over when a group focuses. stretching: how the waves' motion is continued to the instantaneous
+    surface, `vertical`, `wheeler` or `extrapolation`; see sea/kinematics.py.
     """
 
     depth: Positive
@@ -164,3 +165,13 @@ class Sea(Description):
     waves: Any = None
     wave_ramp: NonNegative = 100.0
     stretching: Stretching = "vertical"
+
+    @model_validator(mode="after")
+    def _ramp_over(self) -> Sea:
+        focus = getattr(self.waves, "focus_time", math.inf)
+        if focus < self.wave_ramp:
+            raise ValueError(
+                f"wave_ramp is {self.wave_ramp:g} s, but the waves focus at {focus:g} s; the ramp would lower the "
+                "crest. Give a shorter wave_ramp or a later time of focus"
+            )
+        return self

@@ -23,13 +23,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, SkipValidation, model_validator
 
-from floatsim.description import Description, Finite, Name, Positive, PositiveInt, Series
+from floatsim.description import Description, Finite, Items, Name, Positive, PositiveInt, Series
 from floatsim.errors import ModelError
 from floatsim.jit import kernel
 from floatsim.sea.dispersion import wave_number
@@ -53,7 +54,7 @@ class Realisation:
     heading      rad, towards which the wave travels
     phase        rad
     depth        m, inf for deep water
-    duration     s, for which the sea has been shown not to repeat; inf where repeating is the user's own choice
+    duration     s, until which the waves are good: shown not to repeat, or measured; inf: left to the user
     """
 
     amplitude: Array
@@ -155,15 +156,44 @@ def _has_density(value: Any) -> Any:
     if not callable(getattr(value, "density", None)):
         raise ValueError(
             f"got {value!r}; a spectrum is an object with density(omega): Jonswap(hs=.., tp=..), "
-            "PiersonMoskowitz(hs=.., tp=..) or one of your own"
+            "PiersonMoskowitz(hs=.., tp=..), another of floatsim.sea.SPECTRA or one of your own"
         )
     return value
+
+
+SpectrumField = Annotated[SkipValidation[Spectrum], AfterValidator(_has_density)]
+
+
+def cumulative_energy(spectrum: Spectrum, omega_max: float | None, label: str) -> tuple[Array, Array]:
+    """Frequencies (n,), rad/s, up to `omega_max`, and the variance below each of them (n,), m2, by trapezoids.
+
+    The density is asked for at 40001 frequencies, evenly in their logarithm (1e-7 of hs in smooth spectra), and at
+    those of the spectrum's `corners` and right beside them, so that tables and jumps are integrated exactly. Raises
+    ModelError, starting with `label`, for no energy or a density that is negative or not finite.
+    """
+    grid = np.geomspace(1e-3, 1e3, 40001)
+    corners = np.asarray(getattr(spectrum, "corners", ()), dtype=np.float64)
+    if corners.size:
+        beside = (corners, np.nextafter(corners, np.inf), np.maximum(np.nextafter(corners, -np.inf), 0.0))
+        grid = np.unique(np.concatenate([grid, *beside]))
+    if omega_max is not None:
+        grid = np.append(grid[grid < omega_max], omega_max)
+    density = np.asarray(spectrum.density(grid), dtype=np.float64)
+    if density.shape != grid.shape or not np.all(density >= 0.0) or not np.all(np.isfinite(density)):
+        raise ModelError(
+            f"{label}: density(omega) of the spectrum {spectrum!r} must give one finite value, not "
+            "negative, for each of the frequencies 0.001 to 1000 rad/s it is asked for"
+        )
+    energy = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(grid))])
+    if not energy[-1] > 0.0:
+        raise ModelError(f"{label}: the spectrum {spectrum!r} has no energy up to {grid[-1]:g} rad/s")
+    return grid, energy
 
 
 class IrregularWaves(Description):
     """Irregular sea from a spectrum and a seed; how it is made is said at the top of this module.
 
-    spectrum     Jonswap, PiersonMoskowitz or any object with density(omega)
+    spectrum     one of floatsim.sea.SPECTRA or any object with density(omega)
     seed         integer, not negative; same seed, same sea
     heading_deg  degrees, towards which the waves travel, their mean if they are spread
     spreading    s of cos^(2s)((b - b0)/2), waves of all headings b about the mean; None: a long-crested sea.
@@ -173,7 +203,7 @@ class IrregularWaves(Description):
     omega_max    rad/s: the spectrum is cut here and its energy above left out (not spread over the rest)
     """
 
-    spectrum: Annotated[SkipValidation[Spectrum], AfterValidator(_has_density)]
+    spectrum: SpectrumField
     seed: Annotated[int, BeforeValidator(_integer), Field(ge=0)]
     heading_deg: Finite = 0.0
     spreading: Positive | None = None
@@ -212,18 +242,7 @@ class IrregularWaves(Description):
 
     def _equal_energy(self) -> tuple[Array, float]:
         """Frequencies (n,) that halve the energy of n bins of equal energy, and the variance in all of them, m2."""
-        grid = np.geomspace(1e-3, 1e3, 40001)
-        if self.omega_max is not None:
-            grid = np.append(grid[grid < self.omega_max], self.omega_max)
-        density = np.asarray(self.spectrum.density(grid), dtype=np.float64)
-        if density.shape != grid.shape or not np.all(density >= 0.0) or not np.all(np.isfinite(density)):
-            raise ModelError(
-                f"{self._label()}: density(omega) of the spectrum {self.spectrum!r} must give one finite value, not "
-                "negative, for each of the frequencies 0.001 to 1000 rad/s it is asked for"
-            )
-        energy = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(grid))])
-        if not energy[-1] > 0.0:
-            raise ModelError(f"{self._label()}: the spectrum {self.spectrum!r} has no energy up to {grid[-1]:g} rad/s")
+        grid, energy = cumulative_energy(self.spectrum, self.omega_max, self._label())
         middle = (np.arange(self.components) + 0.5) / self.components * energy[-1]
         return np.interp(middle, energy, grid), float(energy[-1])
 
@@ -263,6 +282,61 @@ def _realisation(
     b, phase = (np.broadcast_to(np.radians(item), a.shape) for item in (heading_deg, phase_deg))
     w = np.asarray(omega, dtype=np.float64)
     return Realisation(a, w, wave_number(w, depth, gravity), b, phase, depth, math.inf)
+
+
+class CombinedWaves(Description):
+    """Several waves at once, each with its own heading: wind sea and swell, a group in a background sea.
+
+    waves: descriptions of waves, their components taken together. They last as long as the shortest of them. Irregular
+    ones must have different seeds: equal phases are no independent seas.
+    """
+
+    waves: Annotated[Items, Field(min_length=1)]
+    name: Name | None = None
+
+    @model_validator(mode="after")
+    def _independent(self) -> CombinedWaves:
+        for item in self.waves:
+            if not callable(getattr(item, "realise", None)):
+                raise ValueError(f"waves: got {item!r}; RegularWave, IrregularWaves or another description of waves")
+        used = sorted(seed for item in self.waves for seed in seeds(item))
+        twice = [seed for seed, following in pairwise(used) if seed == following]
+        if twice:
+            raise ValueError(f"waves: the seed {twice[0]} is used twice; independent seas need different seeds")
+        return self
+
+    @property
+    def focus_time(self) -> float:
+        """Earliest time of focus, s, of the groups among them; inf if there are none."""
+        return min(getattr(item, "focus_time", math.inf) for item in self.waves)
+
+    def realise(self, depth: float, gravity: float) -> Realisation:
+        """All the waves in `depth` (m, inf for deep water) under `gravity` (m/s2). Raises ModelError as they do."""
+        each = [item.realise(depth, gravity) for item in self.waves]
+
+        def row(name: str) -> Array:
+            return np.concatenate([getattr(sea, name) for sea in each])
+
+        return Realisation(
+            row("amplitude"), row("omega"), row("wave_number"), row("heading"), row("phase"), depth,
+            min(sea.duration for sea in each),
+        )  # fmt: skip
+
+
+def wave_files(waves: Any) -> tuple[str, ...]:
+    """Files that a description of waves was read from."""
+    if isinstance(waves, CombinedWaves):
+        return tuple(file for item in waves.waves for file in wave_files(item))
+    file = getattr(waves, "file", None)
+    return () if file is None else (str(file),)
+
+
+def seeds(waves: Any) -> tuple[int, ...]:
+    """Seeds in a description of waves, in its order."""
+    if isinstance(waves, CombinedWaves):
+        return tuple(seed for item in waves.waves for seed in seeds(item))
+    seed = getattr(waves, "seed", None)
+    return () if seed is None else (int(seed),)
 
 
 @kernel

@@ -16,6 +16,7 @@ from typing import Any
 
 from floatsim.errors import CaseError, FloatsimError, ModelError, nearest
 from floatsim.model import Model
+from floatsim.sea.waves import wave_files
 
 _PREFIX = "floatsim_model_"  # of the module names of scripts
 
@@ -150,4 +151,6 @@ def input_hash(path: str | Path, parameters: dict[str, Any], case: dict[str, Any
         for load in getattr(part, "water_loads", ()):
             for file in load.files():
                 digest.update(Path(file).read_bytes())
+    for file in wave_files(model.sea.waves):
+        digest.update(Path(file).read_bytes())
     return digest.hexdigest()

@@ -231,8 +231,9 @@ def _check_waves(waves: Realisation, duration: float, h: float) -> None:
     """Refuse a run longer than its waves, and steps that cannot follow them."""
     if duration > waves.duration * (1.0 + 1e-9):
         raise CaseError(
-            f"the run ends at {duration:g} s, but the waves are only known not to repeat within "
-            f"{waves.duration:g} s; give the irregular waves a longer duration"
+            f"the run ends at {duration:g} s, but the waves are only known (or known not to repeat) "
+            f"until {waves.duration:g} s; irregular waves and groups take a longer duration, "
+            "measured ones a longer record"
         )
     fast = 2.0 * np.pi / waves.omega < STEPS_PER_WAVE * h
     share = float(0.5 * np.sum(waves.amplitude[fast] ** 2) / max(waves.variance, np.finfo(float).tiny))

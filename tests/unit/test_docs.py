@@ -11,6 +11,7 @@ from floatsim.cli import app
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+HOWTOS = [(f"docs/{page.name}",) for page in PAGES if page.name.startswith("howto_")]
 
 
 def python_blocks(page: Path) -> str:
@@ -27,8 +28,7 @@ def python_blocks(page: Path) -> str:
 
 @pytest.mark.parametrize(
     "pages",
-    [("README.md",), ("docs/tutorial.md", "docs/output.md"), ("docs/contributing.md",),
-     ("docs/howto_lines.md",), ("docs/howto_lazy_wave.md",), ("docs/howto_moordyn.md",)],
+    [("README.md",), ("docs/tutorial.md", "docs/output.md"), ("docs/contributing.md",), *HOWTOS],
     ids=" ".join,  # output reads tutorial's file
 )
 def test_code_of_pages_runs(pages: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -41,7 +41,7 @@ def test_code_of_pages_runs(pages: tuple[str, ...], tmp_path: Path, monkeypatch:
 
 def test_no_page_with_code_is_left_out() -> None:
     tested = {"README.md", "tutorial.md", "output.md", "contributing.md"}
-    tested |= {"howto_lines.md", "howto_lazy_wave.md", "howto_moordyn.md"}
+    tested |= {Path(name).name for (name,) in HOWTOS}
     assert {page.name for page in PAGES if "```python" in page.read_text(encoding="utf-8")} == tested
 
 
