@@ -9,6 +9,7 @@ loaded where they are used.
 from floatsim.errors import CaseError, FloatsimError, ModelError, SolveFailed
 from floatsim.hydro.database import HydroDatabase, check_database
 from floatsim.hydro.floater import PotentialFlow
+from floatsim.hydro.hull import Hull
 from floatsim.hydro.wamit import read_wamit
 from floatsim.joints.ball import Ball
 from floatsim.joints.clamp import Clamp
@@ -42,7 +43,7 @@ from floatsim.sea.waves import CombinedWaves, IrregularWaves, RegularWave, WaveC
 from floatsim.solve.modes import Mode, natural_modes
 from floatsim.solve.scheme import Scheme, generalised_alpha, hht, newmark
 from floatsim.solve.static import StaticReport, solve_static
-from floatsim.solve.step import Stepper, StepReport, step
+from floatsim.solve.step import StepReport, Stepper, step
 from floatsim.study.lazy_wave import diameter_from_weights, section_lengths, sizing
 from floatsim.study.moordyn import MoorDynImport, read_moordyn
 from floatsim.study.ranges import RangeGraph, range_graph
@@ -56,11 +57,11 @@ __all__ = [
     "__version__", "Arc", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break",
     "Bretschneider", "CaseError", "Catenary", "check_database", "Clamp", "CombinedWaves", "Current", "CurrentTable",
     "decay_test", "DecayTest", "diameter_from_weights", "ElevationSeries", "Engineering", "Expected", "FloatsimError",
-    "FocusedWave", "generalised_alpha", "hht", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Mode", "Model",
-    "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark", "Nodes", "OchiHubble",
-    "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow", "PowerLaw", "Prescribed", "range_graph", "RangeGraph",
-    "read_moordyn", "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section", "section_lengths",
-    "simulate", "sizing", "solve_static", "SolveFailed", "SpectrumTable", "Spring", "State", "StaticDynamic",
-    "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TensionTable", "ThreeCircles",
-    "Torsethaugen", "WaveComponents", "Weld", "WhiteNoise",
+    "FocusedWave", "generalised_alpha", "hht", "Hull", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Mode",
+    "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark", "Nodes",
+    "OchiHubble", "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow", "PowerLaw", "Prescribed", "range_graph",
+    "RangeGraph", "read_moordyn", "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section",
+    "section_lengths", "simulate", "sizing", "solve_static", "SolveFailed", "SpectrumTable", "Spring", "State",
+    "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TensionTable",
+    "ThreeCircles", "Torsethaugen", "WaveComponents", "Weld", "WhiteNoise",
 ]  # fmt: skip

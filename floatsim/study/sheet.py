@@ -11,6 +11,7 @@ from floatsim.errors import SolveFailed
 from floatsim.frames import Array
 from floatsim.hydro.database import Finding, check_database
 from floatsim.hydro.floater import FloaterBatch, PotentialFlow
+from floatsim.hydro.hull import Hull
 from floatsim.model import Model
 from floatsim.parts.body import Body
 from floatsim.parts.line import Line
@@ -61,11 +62,24 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
     net = -r[unknowns]
     weight = body.mass * model.gravity
     flow = potential_flow(body)
-    buoyancy = 0.0 if flow is None else model.sea.density * model.gravity * flow.volume
+    rho_g = model.sea.density * model.gravity
+    still = [hull.hydrostatics(body.position, body.attitude_deg, density=model.sea.density, gravity=model.gravity)
+             for hull in hulls(body)]  # fmt: skip
+    buoyancy = rho_g * sum(part.volume for part in still) if still or flow is None else rho_g * flow.volume
     attached = net[:3] - np.array([0.0, 0.0, buoyancy - weight])
     heave = roll = pitch = float("nan")
-    warnings = []
-    if flow is not None:
+    warnings: list[str] = []
+    if still:  # statics find where it floats, if it does
+        most = rho_g * sum(hull.enclosed_volume for hull in hulls(body))
+        if (missing := buoyancy - net[2] - most) > 0.0:
+            warnings.append(
+                f"sinks: {missing / 1e3:.4g} kN of lift are missing even with its whole hull of {most / rho_g:.4g} m3 "
+                "under water (is its scale right?)"
+            )
+        C = np.sum([part.stiffness for part in still], axis=0)
+        roll, pitch = (float(C[k, k] - weight * body.center_of_mass[2]) for k in (3, 4))
+        heave = float(net[2] / C[2, 2]) if C[2, 2] > 0.0 else float("nan")
+    elif flow is not None:
         C = flow.data.hydrostatic_stiffness
         roll = float(C[3, 3] - weight * body.center_of_mass[2])
         pitch = float(C[4, 4] - weight * body.center_of_mass[2])
@@ -128,6 +142,12 @@ def dof_table(system: System) -> list[tuple[str, str, int, int]]:
 def potential_flow(body: Body) -> PotentialFlow | None:
     """The body's linear hydrodynamics, if it has any."""
     return next((load for load in body.water_loads if isinstance(load, PotentialFlow)), None)
+
+
+def hulls(body: Body) -> list[Hull]:
+    """The meshes that nonlinear hydrostatics of the body work on, its own or its potential flow's."""
+    loads = (getattr(load, "hull", None) or load for load in body.water_loads)
+    return [load for load in loads if isinstance(load, Hull)]
 
 
 def database_findings(model: Model) -> list[tuple[str, Finding]]:

@@ -23,6 +23,7 @@ from mechanics import DRY as AIR
 from mechanics import displace, free_unknowns, matrix, residual
 
 import floatsim as fs
+from floatsim.hydro.hull import Hull
 from floatsim.parts.element import ADDED_N, ADDED_T, CA, DRAG_N, DRAG_T, DRY, EA, WATER
 from floatsim.parts.end_bending import EndBendingBatch
 from floatsim.parts.line import LineBatch
@@ -106,6 +107,15 @@ def floater():
     return fs.Model(parts=[body], sea=fs.Sea(depth=200.0, current=fs.Current(speed=0.4, heading_deg=20.0)))
 
 
+def hull(waves=None):
+    """A coarse rough hull, its reference point off its middle."""
+    from hulls import ellipsoid
+
+    mesh = ellipsoid(3.0, 2.0, 1.5, 3)
+    body = fs.Body(name="hull", mass=2e4, inertia=(4e4, 4e4, 5e4), hydro=Hull(mesh=mesh, mesh_origin=(0.4, 0.3, -0.2)))
+    return fs.Model(parts=[body], sea=fs.Sea(depth=30.0, waves=waves, wave_ramp=0.0))
+
+
 # name: (model, what of a line is kept (None: all), how the random states are drawn)
 SYSTEMS = {
     "axial": (line, "EA", {}),
@@ -151,6 +161,8 @@ SYSTEMS = {
     "weld": (lambda: bodies([fs.Weld(a="one.p", b="two.o")]), None, {}),
     "prescribed": (prescribed, None, {}),
     "floater": (floater, None, {"big": True}),
+    "hull": (hull, None, {}),
+    "hull in waves": (lambda: hull(fs.RegularWave(height=1.5, period=4.0)), None, {"moving": True, "step": 1e-3}),
 }  # fmt: skip
 ROWS = {"EA": EA, "CA": CA, "MASS": DRY}
 HYDRO = (WATER, DRAG_N, DRAG_T, ADDED_N, ADDED_T)
