@@ -22,6 +22,8 @@ from floatsim.laws.tension_table import TensionTable
 from floatsim.model import Expected, Model
 from floatsim.parts.body import Body
 from floatsim.parts.line import Line
+from floatsim.parts.member import Disc, Member
+from floatsim.parts.point_buoy import PointBuoy
 from floatsim.parts.point_mass import PointMass
 from floatsim.parts.section import Attachment, BendStiffener, Break, Piece, Section
 from floatsim.parts.shapes import Arc, Catenary, Nodes, Straight, ThreeCircles
@@ -43,7 +45,7 @@ from floatsim.sea.waves import CombinedWaves, IrregularWaves, RegularWave, WaveC
 from floatsim.solve.modes import Mode, natural_modes
 from floatsim.solve.scheme import Scheme, generalised_alpha, hht, newmark
 from floatsim.solve.static import StaticReport, solve_static
-from floatsim.solve.step import StepReport, Stepper, step
+from floatsim.solve.step import Stepper, StepReport, step
 from floatsim.study.lazy_wave import diameter_from_weights, section_lengths, sizing
 from floatsim.study.moordyn import MoorDynImport, read_moordyn
 from floatsim.study.ranges import RangeGraph, range_graph
@@ -56,12 +58,12 @@ from floatsim.version import __version__
 __all__ = [
     "__version__", "Arc", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break",
     "Bretschneider", "CaseError", "Catenary", "check_database", "Clamp", "CombinedWaves", "Current", "CurrentTable",
-    "decay_test", "DecayTest", "diameter_from_weights", "ElevationSeries", "Engineering", "Expected", "FloatsimError",
-    "FocusedWave", "generalised_alpha", "hht", "Hull", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Mode",
-    "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark", "Nodes",
-    "OchiHubble", "Piece", "PiersonMoskowitz", "PointMass", "PotentialFlow", "PowerLaw", "Prescribed", "range_graph",
-    "RangeGraph", "read_moordyn", "read_wamit", "RegularWave", "Run", "Scheme", "Sea", "Seabed", "Section",
-    "section_lengths", "simulate", "sizing", "solve_static", "SolveFailed", "SpectrumTable", "Spring", "State",
-    "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TensionTable",
-    "ThreeCircles", "Torsethaugen", "WaveComponents", "Weld", "WhiteNoise",
+    "decay_test", "DecayTest", "diameter_from_weights", "Disc", "ElevationSeries", "Engineering", "Expected",
+    "FloatsimError", "FocusedWave", "generalised_alpha", "hht", "Hull", "HydroDatabase", "IrregularWaves", "Jonswap",
+    "Line", "Member", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes",
+    "newmark", "Nodes", "OchiHubble", "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PotentialFlow",
+    "PowerLaw", "Prescribed", "range_graph", "RangeGraph", "read_moordyn", "read_wamit", "RegularWave", "Run",
+    "Scheme", "Sea", "Seabed", "Section", "section_lengths", "simulate", "sizing", "solve_static", "SolveFailed",
+    "SpectrumTable", "Spring", "State", "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight",
+    "System", "TensionTable", "ThreeCircles", "Torsethaugen", "WaveComponents", "Weld", "WhiteNoise",
 ]  # fmt: skip

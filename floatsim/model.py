@@ -122,6 +122,8 @@ class Model(Description):
         ties += [(part.a, part.b) for part in self.parts if hasattr(part, "free_length")]
         names = [{end.partition(".")[0] if isinstance(end, str) else "" for end in pair} for pair in ties]
         held = {""} | {part.name for part in self.parts if getattr(part, "hydro", None) is not None}
+        rho = self.sea.density
+        held |= {part.name for part in self.parts if hasattr(part, "held_by_water") and part.held_by_water(rho)}
         while True:
             more = {name for pair in names if pair & held for name in pair} - held
             if not more:

@@ -66,6 +66,7 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
     still = [hull.hydrostatics(body.position, body.attitude_deg, density=model.sea.density, gravity=model.gravity)
              for hull in hulls(body)]  # fmt: skip
     buoyancy = rho_g * sum(part.volume for part in still) if still or flow is None else rho_g * flow.volume
+    buoyancy += sum(batch.buoyancy(body.name) for batch in system.batches if hasattr(batch, "buoyancy"))
     attached = net[:3] - np.array([0.0, 0.0, buoyancy - weight])
     heave = roll = pitch = float("nan")
     warnings: list[str] = []

@@ -27,6 +27,8 @@ from floatsim.hydro.hull import Hull
 from floatsim.parts.element import ADDED_N, ADDED_T, CA, DRAG_N, DRAG_T, DRY, EA, WATER
 from floatsim.parts.end_bending import EndBendingBatch
 from floatsim.parts.line import LineBatch
+from floatsim.parts.member import Disc, Member
+from floatsim.parts.point_buoy import PointBuoy
 
 STENCIL = ((1.0, 4.0 / 5.0), (2.0, -1.0 / 5.0), (3.0, 4.0 / 105.0), (4.0, -1.0 / 280.0))  # eighth order
 WET = dict(drag_normal=1.2, drag_tangential=0.3, added_mass_normal=1.0, added_mass_tangential=0.2)
@@ -116,6 +118,36 @@ def hull(waves=None):
     return fs.Model(parts=[body], sea=fs.Sea(depth=30.0, waves=waves, wave_ramp=0.0))
 
 
+WAVY = fs.Sea(depth=40.0, current=fs.Current(speed=0.7, heading_deg=30.0), wave_ramp=0.0,
+              waves=fs.RegularWave(height=2.0, period=6.0, heading_deg=50.0))  # fmt: skip
+
+
+def members(z, drag="coupled"):
+    """Members and discs of a body whose reference point is drawn at z."""
+    wet = dict(drag_normal=1.1, drag_tangential=0.1, added_mass_normal=0.9, added_mass_tangential=0.2, drag_form=drag)
+    ends = dict(end_drag=0.7, end_added_mass=0.5)
+    loads = [Member(a=(0, 0, -3), b=(0.5, 0.3, 4), diameter=(2.0, 1.2), strips=7, **ends, **wet),
+             Member(a=(-4, 1, 0), b=(3, 2, 0.5), diameter=0.9, strips=3, **wet),
+             Disc(at=(0, 0, -3), axis=(0.1, 0, 1), diameter=3.0, drag=2.0, added_mass=1.0)]  # fmt: skip
+    hull = fs.Body(name="hull", mass=9e3, inertia=(4e4, 4e4, 2e4), center_of_mass=(0.1, 0.2, -1), position=(0, 0, z),
+                   hydro=loads)  # fmt: skip
+    return fs.Model(parts=[hull], sea=WAVY)
+
+
+def buoys():
+    """Point floaters dry, half wet and wet."""
+    more = dict(mass=90.0, volume=0.4, drag_area=0.5, added_mass=0.5)
+    parts = [PointBuoy(name=f"buoy_{k}", position=(0, 0, z), height=2.0, **more) for k, z in enumerate((4, 0.2, -4))]
+    return fs.Model(parts=parts, sea=WAVY)
+
+
+def sinkers():
+    """On a rough sloping bed; `scale` of the random states decides what slides."""
+    bed = fs.Seabed(stiffness=2e4, damping=6e2, friction=0.7, slip_length=0.8, slope=(0.3, -0.2))
+    parts = [PointBuoy(name=f"sinker_{k}", position=(0, 0, -20), mass=90.0, volume=0.02, bed_area=0.5) for k in (0, 1)]
+    return fs.Model(parts=parts, sea=fs.Sea(depth=20.0, seabed=bed))
+
+
 # name: (model, what of a line is kept (None: all), how the random states are drawn)
 SYSTEMS = {
     "axial": (line, "EA", {}),
@@ -163,6 +195,12 @@ SYSTEMS = {
     "floater": (floater, None, {"big": True}),
     "hull": (hull, None, {}),
     "hull in waves": (lambda: hull(fs.RegularWave(height=1.5, period=4.0)), None, {"moving": True, "step": 1e-3}),
+    "members, across the surface": (lambda: members(0.0), None, {"moving": True}),
+    "members, decoupled drag": (lambda: members(-1.0, drag="decoupled"), None, {"moving": True, "step": 1e-3}),
+    "members, under water": (lambda: members(-9.0), None, {"moving": True}),
+    "sinkers, sticking": (sinkers, None, {"scale": 0.1, "sink": 1.0}),
+    "sinkers, sliding": (sinkers, None, {"scale": 0.9, "sink": 2.0}),
+    "point buoys": (buoys, None, {"flow": True, "scale": 0.3}),
 }  # fmt: skip
 ROWS = {"EA": EA, "CA": CA, "MASS": DRY}
 HYDRO = (WATER, DRAG_N, DRAG_T, ADDED_N, ADDED_T)
