@@ -246,7 +246,7 @@ _EXACT = (
     "hull_vertices",
 )  # float64
 _OPTIONAL = ("added_mass_zero", "froude_krylov", "mean_drift", "hull_vertices", "hull_faces", "hull_body")
-_OWN_ATTRIBUTES = ("title", "time_sign", "phase_origin", "water_depth", "rho", "g", "long_name")
+_OWN_ATTRIBUTES = ("database", "time_sign", "phase_origin", "water_depth", "rho", "g", "long_name")
 
 
 def _fill(file: Any, db: HydroDatabase) -> None:
@@ -282,7 +282,7 @@ def _fill(file: Any, db: HydroDatabase) -> None:
         variable.long_name = name.replace("_", " ")
     for name, value in db.source.items():
         file.setncattr(name, value)
-    file.title = db.name
+    file.database = db.name
     file.time_sign, file.phase_origin = _PLUS, _PHASE_ORIGIN
     file.water_depth, file.rho, file.g = db.depth, db.density, db.gravity
 
@@ -321,7 +321,7 @@ def _contents(file: Any, label: str) -> dict[str, Any]:
     return {
         **values,
         **{key: float(attributes[name]) for key, name in numbers.items()},
-        "name": str(attributes.get("title") or (bodies[0] if bodies else Path(file.filepath()).name)),
+        "name": str(attributes.get("database") or (bodies[0] if bodies else Path(file.filepath()).name)),
         "bodies": bodies,
         "omega": file["omega"][:],
         "headings": file["wave_direction"][:],
@@ -396,7 +396,8 @@ def require_match(
     """Refuse a database made for another site, or about another point of its body number `body`.
 
     Allowed: depth, density and gravity within 1 %, 0.5 % and 0.1 %, the reference point (m, world frame,
-    drawing position) within 0.01 m. Raises ModelError with all that does not fit.
+    drawing position) within 0.01 m; a database of deep water where `deep_enough`. Raises ModelError with all that does
+    not fit.
     """
     problems = []
     for label, got, want, allowed, unit in (
@@ -404,6 +405,8 @@ def require_match(
         ("water density", db.density, density, 0.005, "kg/m3"),
         ("gravity", db.gravity, gravity, 0.001, "m/s2"),
     ):
+        if label == "water depth" and got == np.inf and deep_enough(db, want):
+            continue
         if got != want and not abs(got - want) <= allowed * want:
             problems.append(
                 f"hydrodynamic database '{db.name}': {label} is {got:g} {unit}, the model "
@@ -418,6 +421,14 @@ def require_match(
         )
     if problems:
         raise ModelError(problems)
+
+
+def deep_enough(db: HydroDatabase, depth: float) -> bool:
+    """Whether water of `depth` [m] is deep for waves of the frequencies at which the bodies radiate most: tanh(k h) is
+    above 0.99 at the lowest of the peaks of the diagonal of B, k = w^2/g."""
+    share = np.abs(np.diagonal(db.radiation_damping, axis1=1, axis2=2))
+    k = db.omega[share.argmax(axis=0)[share.max(axis=0) > 0.01 * _damping_scale(db) ** 2].min()] ** 2 / db.gravity
+    return bool(np.tanh(k * depth) > 0.99)
 
 
 def added_mass_from_damping(omega: NDArray[np.float64], damping: NDArray[np.float64]) -> NDArray[np.float64]:

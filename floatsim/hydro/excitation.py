@@ -67,9 +67,12 @@ class Excitation:
         position: tuple[float, float] = (0.0, 0.0),
         heading: float = 0.0,
         ramp: float = 0.0,
+        *,
+        body: int = 0,
+        froude_krylov: bool = True,
     ) -> Excitation:
-        """Excitation by `sea` of the floater of `db`, its reference point drawn at `position` (x, y), m, with
-        `heading`, rad.
+        """Excitation by `sea` of floater number `body` of `db`, its reference point drawn at `position` (x, y), m, with
+        `heading`, rad. froude_krylov: whether the undisturbed wave's part is in it; if not, the database must know it.
 
         Raises ModelError if the headings do not cover the circle (with those missing) or are too coarse for the sea,
         or if more than 1 % of the sea's energy is above the database's frequencies (with its range).
@@ -84,12 +87,13 @@ class Excitation:
                 "(IrregularWaves: omega_max)"
             )
         X = _transfer(
-            db, np.minimum(sea.omega, db.omega[-1]), sea.heading - heading, np.where(above, 0.0, sea.amplitude)
-        )
+            db, np.minimum(sea.omega, db.omega[-1]), sea.heading - heading, np.where(above, 0.0, sea.amplitude),
+            body, froude_krylov,
+        )  # fmt: skip
         X[above] = 0.0
         # the database's phases refer to the origin it was drawn in, where the reference point need not be
         c, s = math.cos(heading), math.sin(heading)
-        x, y = db.reference_point[0, :2]
+        x, y = db.reference_point[body, :2]
         x0, y0 = position[0] - c * x + s * y, position[1] - s * x - c * y
         phase = sea.phase - sea.wave_number * (x0 * np.cos(sea.heading) + y0 * np.sin(sea.heading))
         coefficients = X * (sea.amplitude * np.exp(1j * phase))[:, None]
@@ -102,12 +106,19 @@ class Excitation:
         return out
 
 
-def _transfer(db: HydroDatabase, omega: Array, heading: Array, amplitude: Array) -> NDArray[np.complex128]:
+def _transfer(db: HydroDatabase, omega: Array, heading: Array, amplitude: Array, body: int,
+              froude_krylov: bool) -> NDArray[np.complex128]:  # fmt: skip
     """X (n, 6) for waves of omega (n,), heading relative to the body (n,) and amplitude (n,), the last as weights."""
     from scipy.interpolate import CubicSpline
 
-    long_wave = np.broadcast_to(db.hydrostatic_stiffness[:, 2], (1, db.headings.size, 6))
-    known = CubicSpline(np.concatenate([[0.0], db.omega]), np.concatenate([long_wave, db.excitation]))(omega)
+    rows = slice(6 * body, 6 * body + 6)
+    X = db.excitation[..., rows]
+    long_wave = db.hydrostatic_stiffness[rows, 6 * body + 2]
+    if not froude_krylov:
+        assert db.froude_krylov is not None
+        X, long_wave = X - db.froude_krylov[..., rows], 0.0 * long_wave
+    long_wave = np.broadcast_to(long_wave, (1, db.headings.size, 6))
+    known = CubicSpline(np.concatenate([[0.0], db.omega]), np.concatenate([long_wave, X]))(omega)
     apart = np.abs((heading[:, None] - db.headings + np.pi) % (2.0 * np.pi) - np.pi)
     at, each = apart.argmin(axis=1), np.arange(omega.size)
     worst = apart[each, at].argmax()

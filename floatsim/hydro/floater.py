@@ -1,4 +1,4 @@
-"""Linear potential-flow loads on a floater, and the quadratic damping that goes with them.
+"""Linear potential-flow loads on floaters, and the quadratic damping that goes with them.
 
 In the horizontal frame at the body's mean heading (the drawing heading), origin at the displaced
 reference point, with nu = (v, w), xi = (displacement, tilt and yaw) and u the current:
@@ -13,6 +13,12 @@ in C, so that a surge changes no moment and nothing is counted twice.) Simplific
 field's habit: excitation and coefficients at the drawing position, no velocity-product terms of the
 added mass, C xi linear in tilt and yaw. Weight acts on the body's mass, at any angle.
 
+Floaters whose descriptions share one database of N bodies feel each other's waves: A_inf and K are then (6N, 6N), nu
+and F those of all of them, one after the other, in the frame of their common heading. They must be drawn as far from
+each other as in the database; as they move, the coefficients stay those of the drawing positions.
+
+With `hull` the buoyancy wrench, C and the Froude-Krylov part of X are left out: the mesh brings them, nonlinear.
+
 Tilt and yaw: the body yaws first, then tilts by an angle about one horizontal axis, the tilt vector. For small angles
 that is the rotation vector; but the rotation vector of a body yawed by psi and tilted lies psi/2 off the axis of the
 tilt. A restoring moment along it drives roll by pitch and pitch by minus roll: a damping ratio of -psi/4 for a body
@@ -22,23 +28,26 @@ as stiff in roll as in pitch, where the moment along the tilt has a potential.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floatsim.description import Description, Matrix6, Positive
-from floatsim.errors import ModelError
+from floatsim.errors import ModelError, nearest
 from floatsim.frames import Array, cross, turn_quaternion, unit
 from floatsim.hydro.database import HydroDatabase, require_match
 from floatsim.hydro.excitation import Excitation
 from floatsim.hydro.radiation import RadiationHistory, RadiationKernel
+from floatsim.hydro.state_space import StateSpace, StateSpaceHistory
 from floatsim.jit import kernel
 from floatsim.laws.angle import half_angle_squared
 from floatsim.parts.part import Part
+from floatsim.sea.dispersion import wave_number
+from floatsim.sea.waves import Realisation
 
 Index = NDArray[np.int64]
 
@@ -49,19 +58,25 @@ ZERO6: tuple[tuple[float, ...], ...] = tuple((0.0,) * 6 for _ in range(6))
 class PotentialFlow(Description):
     """First-order hydrodynamics of a body. Give it to `Body(hydro=...)`.
 
-    database: a HydroDatabase or the path of its netCDF file, about the body's reference point.
+    database: a HydroDatabase or the path of its netCDF file, about the body's reference point. body: name or index of
+    this body in it, needed if it holds several; those share the database in the model as well, and interact.
     displaced_volume [m3]: at the drawing position, default the database's. linear_damping,
     quadratic_damping, linear_stiffness: 6 x 6, rows surge..yaw, added to the potential-flow terms.
-    memory [s] and memory_grid [s] of the radiation convolution.
+    radiation: "convolution" with `memory` [s] of past on a grid of `memory_grid` [s], or "state_space", exponentials
+    fitted to the database. hull: a mesh whose nonlinear Froude-Krylov and hydrostatic pressure replaces the linear
+    ones (`floatsim.Hull`).
     """
 
     database: Any
+    body: Any = None
     displaced_volume: Positive | None = None
     linear_damping: Matrix6 = ZERO6  # type: ignore[assignment]
     quadratic_damping: Matrix6 = ZERO6  # type: ignore[assignment]
     linear_stiffness: Matrix6 = ZERO6  # type: ignore[assignment]
+    radiation: Literal["convolution", "state_space"] = "convolution"
     memory: Positive = 60.0
     memory_grid: Positive = 0.1
+    hull: Any = None
 
     def model_post_init(self, context: Any) -> None:
         if not isinstance(self.database, HydroDatabase | str | Path):
@@ -73,10 +88,24 @@ class PotentialFlow(Description):
                   if isinstance(value, np.ndarray) and not np.isfinite(value).all()]  # fmt: skip
         if broken:
             raise ModelError(f"hydrodynamic database '{self.data.name}': NaN or infinity in {', '.join(broken)}")
+        if self.body is None and len(self.data.bodies) > 1:
+            raise ModelError(
+                f"PotentialFlow: hydrodynamic database '{self.data.name}' holds {len(self.data.bodies)} bodies, "
+                f"{_quoted(self.data.bodies)}; say which one this is: body=\"{self.data.bodies[0]}\""
+            )
+        _ = self.index  # refuses what the database does not have
         if self.memory / self.memory_grid > MAX_MEMORY:
             raise ModelError(
                 f"PotentialFlow: memory of {self.memory:g} s on a grid of {self.memory_grid:g} s has more than "
                 f"{MAX_MEMORY} intervals; 60 s and 0.1 to 0.2 s are usual"
+            )
+        if self.hull is not None and not hasattr(self.hull, "attached_to"):
+            raise ModelError(f"PotentialFlow: hull: got {self.hull!r}; a floatsim.Hull or None is allowed")
+        if self.hull is not None and self.data.froude_krylov is None:
+            raise ModelError(
+                f"PotentialFlow: hull: hydrodynamic database '{self.data.name}' does not have the Froude-Krylov part "
+                "of its excitation by itself, which the pressure on the hull replaces; take a database with "
+                "froude_krylov, or leave hull out"
             )
 
     @cached_property
@@ -84,18 +113,47 @@ class PotentialFlow(Description):
         """The database itself."""
         return self.database if isinstance(self.database, HydroDatabase) else HydroDatabase.read(self.database)
 
+    @cached_property
+    def index(self) -> int:
+        """Which of the database's bodies this is."""
+        known = self.data.bodies
+        if self.body is None:
+            return 0
+        if isinstance(self.body, str) and self.body not in known:
+            raise ModelError(
+                f"PotentialFlow: hydrodynamic database '{self.data.name}' has no body '{self.body}'"
+                f"{nearest(self.body, known)}"
+            )
+        return self.data.index(self.body)
+
     def files(self) -> list[str | Path]:
         """Files its numbers come from."""
-        return [] if isinstance(self.database, HydroDatabase) else [self.database]
+        own = [] if isinstance(self.database, HydroDatabase) else [self.database]
+        return own + (list(self.hull.files()) if self.hull is not None else [])
 
     @property
     def volume(self) -> float:
         """Displaced volume at the drawing position [m3]."""
-        return self.displaced_volume if self.displaced_volume is not None else float(self.data.volume[0])
+        return self.displaced_volume if self.displaced_volume is not None else float(self.data.volume[self.index])
+
+    @property
+    def hydrostatic_stiffness(self) -> Array:
+        """The database's for this body, (6, 6): waterplane + rho g V z_B, without weight."""
+        return self.data.hydrostatic_stiffness[self.rows, self.rows]
+
+    @property
+    def rows(self) -> slice:
+        """This body's six degrees of freedom in the database."""
+        return slice(6 * self.index, 6 * self.index + 6)
 
     def attached_to(self, body: Any) -> list[Part]:
         """The parts that carry these loads."""
-        return [Floater(name=f"{body.name}.hydro", body=body, flow=self)]
+        own: list[Part] = [Floater(name=f"{body.name}.hydro", body=body, flow=self)]
+        return own + (list(self.hull.attached_to(body)) if self.hull is not None else [])
+
+
+def _quoted(names: Iterable[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)
 
 
 class Floater(Part):
@@ -111,78 +169,96 @@ class Floater(Part):
 
 
 @kernel
-def floater_loads(x, q, v, a, u, c, where, P, matrices, external, nu_out, slots, Y, L, K, A, r, s):  # type: ignore[no-untyped-def]
+def floater_loads(x, q, v, a, u, c, where, P, matrices, pairs, coupling, external, slots, Y, L, K, A, r, s):  # type: ignore[no-untyped-def]
     """Loads of every floater.
 
     where (n, 2): point, rotation. P (n, 12): cos and sin of the mean heading, drawing position (3),
-    drawing quaternion (4), buoyancy [N], its moments (2). matrices (n, 5, 6, 6): C + K_add, A_inf,
-    B_add, B_quad, memory tangent. external (n, 6): wave force plus the past's share of the memory.
-    Scratch: Y (5, 6), L (3, 3), K (6, 6).
+    drawing quaternion (4), buoyancy [N], its moments (2). matrices (n, 3, 6, 6): C + K_add, B_add, B_quad.
+    pairs (k, 2): floater that feels, floater that moves; coupling (k, 2, 6, 6): A_inf, memory tangent; slots (k, 36).
+    external (n, 6): wave force plus the past's share of the memory.
+    Scratch: Y (5, n, 6): displacement, velocity, acceleration, velocity through the water, force;
+    L (n, 3, 3), K (6, 6).
     """
-    base = 3 * x.shape[0]
-    xi, nu, acc, rel, f = Y[0], Y[1], Y[2], Y[3], Y[4]
+    n_point = x.shape[0]
+    base = 3 * n_point
     for b in range(where.shape[0]):
         p, k = where[b, 0], where[b, 1]
         co, si = P[b, 0], P[b, 1]
         dp, dr = 3 * p, base + 3 * k
+        xi, nu, rel, f = Y[0, b], Y[1, b], Y[3, b], Y[4, b]
         back = (P[b, 5], -P[b, 6], -P[b, 7], -P[b, 8])
-        phi = _tilt_and_yaw(_product((q[k, 0], q[k, 1], q[k, 2], q[k, 3]), back), L)
+        phi = _tilt_and_yaw(_product((q[k, 0], q[k, 1], q[k, 2], q[k, 3]), back), L[b])
         d = (x[p, 0] - P[b, 2], x[p, 1] - P[b, 3], x[p, 2] - P[b, 4])
         _to_heading(co, si, d, phi, xi)
         _to_heading(co, si, (v[dp], v[dp + 1], v[dp + 2]), (v[dr], v[dr + 1], v[dr + 2]), nu)
-        _to_heading(co, si, (a[dp], a[dp + 1], a[dp + 2]), (a[dr], a[dr + 1], a[dr + 2]), acc)
+        _to_heading(co, si, (a[dp], a[dp + 1], a[dp + 2]), (a[dr], a[dr + 1], a[dr + 2]), Y[2, b])
         _to_heading(co, si, (u[p, 0], u[p, 1], u[p, 2]), (0.0, 0.0, 0.0), rel)
         for m in range(6):
             rel[m] = nu[m] - rel[m]
-            nu_out[b, m] = nu[m]
-        size = 0.0
-        turning = 0.0
         for m in range(6):
             y = external[b, m]
             for n in range(6):
-                y -= matrices[b, 0, m, n] * xi[n] + matrices[b, 1, m, n] * acc[n]
-                y -= (matrices[b, 2, m, n] + matrices[b, 4, m, n]) * nu[n]
-                y -= matrices[b, 3, m, n] * abs(rel[n]) * rel[n]
+                y -= matrices[b, 0, m, n] * xi[n] + matrices[b, 1, m, n] * nu[n]
+                y -= matrices[b, 2, m, n] * abs(rel[n]) * rel[n]
             f[m] = y
-            if m < 3:
-                size += abs(y)
-            else:
-                turning += abs(y)
+    for i in range(pairs.shape[0]):
+        f, nu, acc = Y[4, pairs[i, 0]], Y[1, pairs[i, 1]], Y[2, pairs[i, 1]]
+        for m in range(6):
+            y = 0.0
+            for n in range(6):
+                y += coupling[i, 0, m, n] * acc[n] + coupling[i, 1, m, n] * nu[n]
+            f[m] -= y
+    for b in range(where.shape[0]):
+        p, k = where[b, 0], where[b, 1]
+        co, si = P[b, 0], P[b, 1]
+        f = Y[4, b]
+        s[p] += abs(f[0]) + abs(f[1]) + abs(f[2]) + P[b, 9]
+        s[n_point + k] += abs(f[3]) + abs(f[4]) + abs(f[5]) + abs(P[b, 10]) + abs(P[b, 11])
         f[2] += P[b, 9]
         f[3] += P[b, 10]
         f[4] += P[b, 11]
-        s[p] += size + P[b, 9]
-        s[x.shape[0] + k] += turning + abs(P[b, 10]) + abs(P[b, 11])
         for h in range(2):
-            o = dp if h == 0 else dr
+            o = 3 * p if h == 0 else base + 3 * k
             r[o] -= co * f[3 * h] - si * f[3 * h + 1]
             r[o + 1] -= si * f[3 * h] + co * f[3 * h + 1]
             r[o + 2] -= f[3 * h + 2]
-        # columns: a unit change of world coordinate j, its rate and its acceleration, seen in the heading frame
-        for j in range(6):
-            e = unit(j % 3)
-            h = 3 * (j // 3)
-            t0, t1, t2 = co * e[0] + si * e[1], -si * e[0] + co * e[1], e[2]
-            g = e if j < 3 else (L[0, j - 3], L[1, j - 3], L[2, j - 3])
+    if c[6] != 0.0:
+        for i in range(pairs.shape[0]):
+            _tangent(pairs[i, 0], pairs[i, 1], c, P, matrices, coupling[i], Y[3], Y[4, 0], L, K)
+            for m in range(6):
+                for n in range(6):
+                    A[slots[i, 6 * m + n]] += K[m, n]
+
+
+@kernel
+def _tangent(b, o, c, P, matrices, coupling, rel, f, L, K):  # type: ignore[no-untyped-def]
+    """K (6, 6): force on floater b by a unit change of floater o's world coordinates, their rates, accelerations."""
+    AM, WM, CM, BM, QM = coupling[0], coupling[1], matrices[b, 0], matrices[b, 1], matrices[b, 2]
+    co, si = P[b, 0], P[b, 1]
+    for j in range(6):
+        e = unit(j % 3)
+        h = 3 * (j // 3)
+        # as seen in the heading frame
+        t0, t1, t2 = P[o, 0] * e[0] + P[o, 1] * e[1], -P[o, 1] * e[0] + P[o, 0] * e[1], e[2]
+        for m in range(6):
+            f[m] = (
+                (c[0] * AM[m, h] + c[1] * WM[m, h]) * t0
+                + (c[0] * AM[m, h + 1] + c[1] * WM[m, h + 1]) * t1
+                + (c[0] * AM[m, h + 2] + c[1] * WM[m, h + 2]) * t2
+            )
+        if b == o:
+            g = e if j < 3 else (L[b, 0, j - 3], L[b, 1, j - 3], L[b, 2, j - 3])
             g0, g1, g2 = co * g[0] + si * g[1], -si * g[0] + co * g[1], g[2]
             for m in range(6):
-                CM, BM, QM = matrices[b, 0, m], matrices[b, 2, m], matrices[b, 3, m]
-                y = c[2] * (CM[h] * g0 + CM[h + 1] * g1 + CM[h + 2] * g2)
-                AM, WM = matrices[b, 1, m], matrices[b, 4, m]
-                y += c[0] * (AM[h] * t0 + AM[h + 1] * t1 + AM[h + 2] * t2)
-                y += c[1] * (
-                    (BM[h] + WM[h] + 2.0 * QM[h] * abs(rel[h])) * t0
-                    + (BM[h + 1] + WM[h + 1] + 2.0 * QM[h + 1] * abs(rel[h + 1])) * t1
-                    + (BM[h + 2] + WM[h + 2] + 2.0 * QM[h + 2] * abs(rel[h + 2])) * t2
+                f[m] += c[2] * (CM[m, h] * g0 + CM[m, h + 1] * g1 + CM[m, h + 2] * g2) + c[1] * (
+                    (BM[m, h] + 2.0 * QM[m, h] * abs(rel[b, h])) * t0
+                    + (BM[m, h + 1] + 2.0 * QM[m, h + 1] * abs(rel[b, h + 1])) * t1
+                    + (BM[m, h + 2] + 2.0 * QM[m, h + 2] * abs(rel[b, h + 2])) * t2
                 )
-                f[m] = y
-            for h2 in range(2):
-                K[3 * h2, j] = co * f[3 * h2] - si * f[3 * h2 + 1]
-                K[3 * h2 + 1, j] = si * f[3 * h2] + co * f[3 * h2 + 1]
-                K[3 * h2 + 2, j] = f[3 * h2 + 2]
-        for m in range(6):
-            for n in range(6):
-                A[slots[b, 6 * m + n]] += K[m, n]
+        for h2 in range(2):
+            K[3 * h2, j] = co * f[3 * h2] - si * f[3 * h2 + 1]
+            K[3 * h2 + 1, j] = si * f[3 * h2] + co * f[3 * h2 + 1]
+            K[3 * h2 + 2, j] = f[3 * h2 + 2]
 
 
 @kernel
@@ -224,6 +300,117 @@ def _to_heading(co, si, p, w, out):  # type: ignore[no-untyped-def]
     out[3], out[4], out[5] = co * w[0] + si * w[1], -si * w[0] + co * w[1], w[2]
 
 
+class Group(NamedTuple):
+    """Floaters that interact, in the order of their database; places of the first of them among all floaters, and of
+    the first of their pairs among all pairs."""
+
+    parts: tuple[Floater, ...]
+    first: int
+    pair: int
+
+    @property
+    def db(self) -> HydroDatabase:
+        return self.parts[0].flow.data
+
+    @property
+    def members(self) -> slice:
+        return slice(self.first, self.first + len(self.parts))
+
+    @property
+    def names(self) -> str:
+        return ", ".join(part.body.name for part in self.parts)
+
+
+def shared_by(flow: PotentialFlow, number: int) -> object:
+    """What is equal for descriptions whose bodies interact; `number` if this one's does not with any other."""
+    if len(flow.data.bodies) == 1:
+        return number
+    source = flow.database
+    return (id(source),) if isinstance(source, HydroDatabase) else str(Path(source).resolve())
+
+
+def interacting(parts: Sequence[Floater]) -> list[Group]:
+    """Floaters by shared database; a database of one body stands for itself wherever it is used.
+
+    Raises ModelError if bodies of a database are missing or used twice, if they are drawn otherwise than in the
+    database, or if their memories differ.
+    """
+    found: dict[Any, list[Floater]] = {}
+    for k, part in enumerate(parts):
+        found.setdefault(shared_by(part.flow, k), []).append(part)
+    problems: list[str] = []
+    groups, first, pair = [], 0, 0
+    for members in found.values():
+        problems += _misfits(members)
+        groups.append(Group(tuple(sorted(members, key=lambda part: part.flow.index)), first, pair))
+        first += len(members)
+        pair += len(members) ** 2
+    if problems:
+        raise ModelError(problems)
+    return groups
+
+
+def _misfits(members: list[Floater]) -> list[str]:
+    """Why these floaters are not the bodies of their database."""
+    db = members[0].flow.data
+    label = f"hydrodynamic database '{db.name}'"
+    problems = []
+    for k, name in enumerate(db.bodies):
+        users = [part.body.name for part in members if part.flow.index == k]
+        if not users:
+            problems.append(
+                f"{label}: no body of the model is its '{name}'; its {len(db.bodies)} bodies, {_quoted(db.bodies)}, "
+                "interact and must all be there, with the same database, one path or one object (with this one the "
+                f"model has {_quoted(part.body.name for part in members)})"
+            )
+        elif len(users) > 1:
+            problems.append(
+                f"{label}: {_quoted(users)} are all its body '{name}'; each of its bodies is one body of the model "
+                "(for another set of the same bodies read the file again as a HydroDatabase)"
+            )
+    start = members[0]
+    for part in members[1:]:
+        mine, its = (
+            (p.flow.radiation, *((p.flow.memory, p.flow.memory_grid) if p.flow.radiation == "convolution" else ()))
+            for p in (start, part)
+        )
+        if mine != its:
+            problems.append(
+                f"{label}: '{start.body.name}' has radiation (method, memory, memory_grid) {mine}, "
+                f"'{part.body.name}' {its}; bodies that interact have one memory, so they must be the same"
+            )
+        problems += _misplaced(label, db, start, part)
+    return problems
+
+
+def _misplaced(label: str, db: HydroDatabase, start: Floater, part: Floater) -> list[str]:
+    """What is wrong with where `part` is drawn, seen from `start`."""
+    psi, other = start.body.attitude_deg[2], part.body.attitude_deg[2]
+    if abs((other - psi + 180.0) % 360.0 - 180.0) > 0.01:
+        return [
+            f"{label}: '{start.body.name}' is drawn at a heading of {psi:g} deg, '{part.body.name}' at {other:g} deg; "
+            "the bodies of one database must be drawn at the same"
+        ]
+    i, k = start.flow.index, part.flow.index
+    co, si = math.cos(math.radians(psi)), math.sin(math.radians(psi))
+    x, y = (db.reference_point[k] - db.reference_point[i])[:2]
+    want = np.array([co * x - si * y, si * x + co * y])
+    got = np.subtract(part.body.position, start.body.position)[:2]
+    if i == k or np.linalg.norm(got - want) <= 0.01:
+        return []
+    return [
+        f"{label}: '{part.body.name}' is drawn ({got[0]:.6g}, {got[1]:.6g}) m from '{start.body.name}', horizontally; "
+        f"in the database its reference point, {_point(db.reference_point[k])} m, is ({want[0]:.6g}, {want[1]:.6g}) m "
+        f"from the other's, {_point(db.reference_point[i])} m"
+        + (f", turned by {psi:g} deg" if psi else "")
+        + " (allowed difference 0.01 m); draw them so, or compute a database for this layout"
+    ]
+
+
+def _point(p: Array) -> str:
+    return "(" + ", ".join(f"{y:.6g}" for y in p) + ")"
+
+
 class FloaterBatch:
     """Hydrodynamic loads of all floaters, with their radiation memories."""
 
@@ -232,86 +419,158 @@ class FloaterBatch:
 
     def __init__(self, parts: Sequence[Floater], first_point: Sequence[int], first_rotation: Sequence[int],
                  sea: Any, gravity: float) -> None:  # fmt: skip
-        self.parts = tuple(parts)
+        self.groups = interacting(parts)
+        self.parts = tuple(part for group in self.groups for part in group.parts)
         n = len(self.parts)
-        self.matrices = np.zeros((n, 5, 6, 6))
+        self._sea, self._gravity = sea, gravity
+        self.matrices = np.zeros((n, 3, 6, 6))
         self.P = np.zeros((n, 12))
         self.external = np.zeros((n, 6))
-        self.nu = np.zeros((n, 6))
-        self.kernels: list[RadiationKernel] = []
+        self.pairs = np.array(
+            [(b, o) for group in self.groups for b in _range(group) for o in _range(group)], dtype=np.int64
+        )
+        self.coupling = np.zeros((len(self.pairs), 2, 6, 6))
         self.excitations: list[Excitation | None] = []
+        waves = None if sea.waves is None else sea.waves.realise(sea.depth, gravity)
         for b, part in enumerate(self.parts):
             body, flow = part.body, part.flow
-            db = flow.data
-            waves = sea.waves
+            db, k = flow.data, flow.index
             heading = math.radians(body.attitude_deg[2])
             try:
-                point = (*db.reference_point[0, :2], body.position[2])  # still water is the same everywhere
-                require_match(db, depth=sea.depth, reference_point=point, density=sea.density, gravity=gravity)
-                self.kernels.append(RadiationKernel.from_database(db, flow.memory, flow.memory_grid))
-                self.excitations.append(
-                    None if waves is None else Excitation.from_database(
-                        db, waves.realise(sea.depth, gravity), body.position[:2], heading, sea.wave_ramp)
-                )  # fmt: skip
+                point = (*db.reference_point[k, :2], body.position[2])  # still water is the same everywhere
+                require_match(
+                    db, depth=sea.depth, reference_point=point, density=sea.density, gravity=gravity, body=k
+                )
+                self.excitations.append(None if waves is None else self._excitation(part, waves, sea.wave_ramp))
             except ModelError as error:
                 raise ModelError([f"Body '{body.name}': {line}" for line in error.problems]) from None
-            weight = sea.density * gravity * flow.volume
-            self.matrices[b, 0] = db.hydrostatic_stiffness + np.array(flow.linear_stiffness)
-            self.matrices[b, 1] = db.added_mass_inf
-            self.matrices[b, 2] = flow.linear_damping
-            self.matrices[b, 3] = flow.quadratic_damping
-            xb, yb = (db.centre_of_buoyancy - db.reference_point)[0, :2]
+            self.matrices[b, 0] = flow.linear_stiffness
+            self.matrices[b, 1] = flow.linear_damping
+            self.matrices[b, 2] = flow.quadratic_damping
+            weight = 0.0
+            if flow.hull is None:
+                self.matrices[b, 0] += flow.hydrostatic_stiffness
+                weight = sea.density * gravity * flow.volume
+            xb, yb = (db.centre_of_buoyancy - db.reference_point)[k, :2]
             turn = turn_quaternion((0.0, 0.0, heading), (1.0, 0.0, 0.0, 0.0))
             self.P[b] = (math.cos(heading), math.sin(heading), *body.position, *turn, weight, weight * yb, -weight * xb)
-        self._Y, self._L, self._K = np.zeros((5, 6)), np.zeros((3, 3)), np.zeros((6, 6))
+        self.kernels: list[RadiationKernel | StateSpace] = []
+        for group in self.groups:
+            flow = group.parts[0].flow
+            try:
+                self.kernels.append(
+                    StateSpace.from_database(flow.data) if flow.radiation == "state_space"
+                    else RadiationKernel.from_database(flow.data, flow.memory, flow.memory_grid)
+                )  # fmt: skip
+            except ModelError as error:
+                raise ModelError([f"Body '{group.names}': {line}" for line in error.problems]) from None
+            self._couple(group, 0, flow.data.added_mass_inf)
+        self._Y, self._L, self._K = np.zeros((5, n, 6)), np.zeros((n, 3, 3)), np.zeros((6, 6))
+
+    @staticmethod
+    def _excitation(part: Floater, waves: Any, ramp: float) -> Excitation:
+        body, flow = part.body, part.flow
+        return Excitation.from_database(
+            flow.data, waves, body.position[:2], math.radians(body.attitude_deg[2]), ramp,
+            body=flow.index, froude_krylov=flow.hull is None,
+        )  # fmt: skip
+
+    def _couple(self, group: Group, which: int, matrix: Array) -> None:
+        """Spread a matrix (6N, 6N) of a group over its pairs."""
+        N = len(group.parts)
+        blocks = matrix.reshape(N, 6, N, 6).swapaxes(1, 2)
+        self.coupling[group.pair : group.pair + N * N, which] = blocks.reshape(-1, 6, 6)
 
     def connect(self, numbering: Any) -> None:
         """Find the bodies' points and rotations."""
         places = [numbering.place(part.body.name) for part in self.parts]
         self.where = np.array([[p.point, p.rotation] for p in places], dtype=np.int64)
 
-    def dofs(self, n_point: int) -> list[Index]:
+    def _unknowns(self, n_point: int) -> Index:
+        """Unknowns (n, 6) of every floater."""
         xyz, w = np.arange(3), self.where
-        return [np.concatenate([3 * w[:, :1] + xyz, 3 * (n_point + 1) + 3 * w[:, 1:] + xyz], axis=1)]
+        return np.concatenate([3 * w[:, :1] + xyz, 3 * (n_point + 1) + 3 * w[:, 1:] + xyz], axis=1)
+
+    def dofs(self, n_point: int) -> list[Index]:
+        u = self._unknowns(n_point)
+        return [u[group.members].reshape(1, -1) for group in self.groups]
 
     def bind(self, slots: list[Index]) -> None:
-        (self._slots,) = slots
+        pieces = []
+        for group, table in zip(self.groups, slots, strict=True):
+            N = len(group.parts)
+            pieces.append(table.reshape(N, 6, N, 6).swapaxes(1, 2).reshape(N * N, 36))
+        self._slots = np.ascontiguousarray(np.concatenate(pieces), dtype=np.int64)
 
-    def start(self, state: Any) -> list[RadiationHistory]:
-        """Memories of floaters that have always been at rest."""
-        return [RadiationHistory(kernel, t0=state.t) for kernel in self.kernels]
+    def start(self, state: Any) -> list[RadiationHistory | StateSpaceHistory]:
+        """Memories of floaters that have always been at rest, one for every group."""
+        return [kernel.history(state.t) for kernel in self.kernels]
 
-    def begin(self, w: Any, history: list[RadiationHistory], t: float, state: Any) -> None:
+    def begin(self, w: Any, history: list[RadiationHistory | StateSpaceHistory], t: float, state: Any) -> None:
         """What is constant during the step to t: wave forces and the past's share of the memory."""
+        if w.still:
+            self.external[:] = 0.0
+            self.coupling[:, 1] = 0.0
+            return
+        for group, memory in zip(self.groups, history, strict=True):
+            self.external[group.members] = memory.prepare(t).reshape(-1, 6)
+            self._couple(group, 1, memory.tangent)
         for b, excitation in enumerate(self.excitations):
-            if w.still:
-                self.external[b] = 0.0
-                self.matrices[b, 4] = 0.0
-                continue
-            memory = history[b]
-            self.external[b] = memory.prepare(t)
-            self.matrices[b, 4] = memory.tangent
             if excitation is not None:
                 self.external[b] += excitation.force(t)
 
     def add(self, w: Any) -> None:
-        floater_loads(w.x, w.q, w.v, w.a, w.u, w.c, self.where, self.P, self.matrices, self.external, self.nu,
-                      self._slots, self._Y, self._L, self._K, w.A, w.r, w.s)  # fmt: skip
+        floater_loads(w.x, w.q, w.v, w.a, w.u, w.c, self.where, self.P, self.matrices, self.pairs, self.coupling,
+                      self.external, self._slots, self._Y, self._L, self._K, w.A, w.r, w.s)  # fmt: skip
 
-    def frequency_terms(self, omega: float, n_point: int) -> tuple[Index, Array, Array]:
-        """Unknowns (n, 6), A(w) - A_inf and B(w) (n, 6, 6) in world axes at omega [rad/s]."""
+    def _turn(self, group: Group) -> Array:
+        """From the heading frame into world axes, (6N, 6N)."""
+        co, si = self.P[group.first, :2]
+        return np.kron(np.eye(2 * len(group.parts)), [[co, -si, 0.0], [si, co, 0.0], [0.0, 0.0, 1.0]])
+
+    def frequency_terms(self, omega: float, n_point: int) -> tuple[list[Index], list[Array], list[Array]]:
+        """For every group of N floaters its unknowns (6N,), A(w) - A_inf and B(w) (6N, 6N) in world axes, at omega
+        [rad/s]."""
         masses, dampings = [], []
-        for b, part in enumerate(self.parts):
-            db = part.flow.data
-            turn = np.zeros((6, 6))
-            co, si = self.P[b, :2]
-            turn[:3, :3] = turn[3:, 3:] = [[co, -si, 0.0], [si, co, 0.0], [0.0, 0.0, 1.0]]
-            A, B = db.at(omega)
-            masses.append(turn @ (A - db.added_mass_inf) @ turn.T)
+        for group in self.groups:
+            turn = self._turn(group)
+            A, B = group.db.at(omega)
+            masses.append(turn @ (A - group.db.added_mass_inf) @ turn.T)
             dampings.append(turn @ B @ turn.T)
-        return self.dofs(n_point)[0], np.array(masses), np.array(dampings)
+        return [table[0] for table in self.dofs(n_point)], masses, dampings
 
-    def commit(self, history: list[RadiationHistory], w: Any) -> None:
+    def wave_force(self, omega: float, heading: float, n_point: int) -> tuple[Index, NDArray[np.complex128]]:
+        """Unknowns (n, 6) and complex forces F (n, 6), N/m and N m/m, world axes, of a regular wave of unit amplitude.
+
+        F e^{i w t} is the force of eta = Re e^{i(w t - k (x cos b + y sin b))}: a crest passes the world's origin at
+        t = 0. omega [rad/s]; heading b [rad], towards which the wave travels. Floaters with a hull: diffraction only.
+        Raises ModelError as Excitation.from_database does (heading or frequency not in the database).
+        """
+        one, w = np.ones(1), np.array([omega])
+        k = wave_number(w, self._sea.depth, self._gravity)
+        wave = Realisation(one, w, k, np.array([heading]), 0.0 * one, self._sea.depth, math.inf)
+        F = np.zeros((len(self.parts), 6), dtype=np.complex128)
+        for group in self.groups:
+            turn = self._turn(group)[:6, :6]
+            for b, part in zip(_range(group), group.parts, strict=True):
+                try:
+                    F[b] = turn @ self._excitation(part, wave, 0.0).coefficients[0]
+                except ModelError as error:
+                    raise ModelError([f"Body '{part.body.name}': {line}" for line in error.problems]) from None
+        return self._unknowns(n_point), F
+
+    def commit(self, history: list[RadiationHistory | StateSpaceHistory], w: Any) -> None:
         """Take the accepted velocities into the memories."""
-        for b, memory in enumerate(history):
-            memory.commit(w.t, self.nu[b])
+        for group, memory in zip(self.groups, history, strict=True):
+            memory.commit(w.t, self._Y[1, group.members].reshape(-1))
+
+    def notes(self) -> list[str]:
+        """Per group how well its radiation memory gives back the database, and a database of deep water in less."""
+        notes = [f"{group.names}: {kernel.summary()}" for group, kernel in zip(self.groups, self.kernels, strict=True)]
+        depth = self._sea.depth
+        deep = [group.names for group in self.groups if group.db.depth == math.inf]
+        return notes + [f"{names}: the database is for deep water, the sea has {depth:g} m" for names in deep]
+
+
+def _range(group: Group) -> range:
+    return range(group.members.start, group.members.stop)

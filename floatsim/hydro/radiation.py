@@ -54,13 +54,15 @@ class RadiationResidual:
     added_mass_inf      (d, d) mean over w of A(w) + 1/w int K sin(w tau) dtau, minus A_inf (signed)
 
     All relative: entry (i, j) divided by the geometric mean of the largest |A_ii| and |A_jj| (B likewise),
-    and at least 1e-4 of the largest of its kind, so that the noise of entries that vanish by symmetry does not
-    count. Frequencies in the upper taper are left out.
+    and at least 1e-4 of the largest of its kind (of rotations also 1 % of the largest of translations times
+    V^(2/3)), so that the noise of entries that vanish by symmetry does not count. Frequencies in the upper taper are
+    left out. bodies: their names, for the summary.
     """
 
     added_mass: Array
     damping: Array
     added_mass_inf: Array
+    bodies: tuple[str, ...] = ()
 
     def summary(self) -> str:
         """One line with the worst entry of each, in per cent."""
@@ -71,8 +73,11 @@ class RadiationResidual:
             ("A_inf", self.added_mass_inf),
         ):
             i, j = np.unravel_index(int(np.argmax(np.abs(value))), value.shape)
-            parts.append(f"{label} {100.0 * abs(value[i, j]):.2g} % ({_DOFS[i % 6]}-{_DOFS[j % 6]})")
+            parts.append(f"{label} {100.0 * abs(value[i, j]):.2g} % ({self._dof(i)}-{self._dof(j)})")
         return "radiation memory against the database: " + ", ".join(parts)
+
+    def _dof(self, i: int | np.integer) -> str:
+        return f"{self.bodies[i // 6]} {_DOFS[i % 6]}" if len(self.bodies) > 1 else _DOFS[i % 6]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +103,14 @@ class RadiationKernel:
     def memory(self) -> float:
         """Length of the memory N D, s."""
         return self.grid * (self.K.shape[0] - 1)
+
+    def history(self, t0: float = 0.0) -> RadiationHistory:
+        """A memory of the body at rest until t0."""
+        return RadiationHistory(self, t0)
+
+    def summary(self) -> str:
+        """One line: what the memory gives back, and its length."""
+        return f"{self.residual.summary()} ({self.memory:g} s of memory)"
 
     @classmethod
     def from_database(cls, db: HydroDatabase, memory: float = 60.0, grid: float = 0.1) -> RadiationKernel:
@@ -142,6 +155,19 @@ class RadiationKernel:
         return cls(float(grid), tables[0], tables[1], tables[2], tables[3], residual)
 
 
+def entry_scales(db: HydroDatabase) -> tuple[Array, Array]:
+    """What the errors of entries (i, j) of A and of B are measured by, (d, d) each."""
+    size = np.ravel(getattr(db, "volume", 0.0)).max() ** (1.0 / 3.0)  # rotations about the centre of a sphere are none
+    scales = []
+    for values in (db.added_mass, db.radiation_damping):
+        largest = np.sqrt(np.abs(np.diagonal(values, axis1=1, axis2=2)).max(axis=0))
+        turning = (np.arange(largest.size) // 3 % 2).astype(bool)
+        floor = 0.01 * largest[~turning].max(), max(0.01 * largest[turning].max(), 0.1 * size * largest[~turning].max())
+        largest = np.maximum(largest, np.where(turning, floor[1], floor[0]) + np.finfo(float).tiny ** 0.25)
+        scales.append(np.outer(largest, largest))
+    return scales[0], scales[1]
+
+
 def _transforms(omega: Array, B: Array, tau: Array) -> tuple[Array, Array, Array]:
     """K, H' and H at the lags tau, each (len(tau), d, d), from B (n, d, d) at omega (n,)."""
     from scipy.interpolate import CubicSpline
@@ -176,21 +202,15 @@ def _residual(db: HydroDatabase, tau: Array, K: Array) -> RadiationResidual:
     memory = ((np.sin(phase) * simpson / w[:, None]) @ flat).reshape(A.shape)
     damping = ((np.cos(phase) * simpson) @ flat).reshape(B.shape)
 
-    def scale(values: Array) -> Array:
-        largest = np.sqrt(np.abs(np.diagonal(values, axis1=1, axis2=2)).max(axis=0))
-        for rotation in (False, True):
-            kind = (np.arange(largest.size) // 3 % 2).astype(bool) == rotation
-            largest[kind] = np.maximum(largest[kind], max(0.01 * largest[kind].max(), np.finfo(float).tiny ** 0.25))
-        return np.outer(largest, largest)
-
+    scale_A, scale_B = entry_scales(db)
     figures = (
-        np.abs(db.added_mass_inf - memory - A).max(axis=0) / scale(A),
-        np.abs(damping - B).max(axis=0) / scale(B),
-        ((A + memory).mean(axis=0) - db.added_mass_inf) / scale(A),
+        np.abs(db.added_mass_inf - memory - A).max(axis=0) / scale_A,
+        np.abs(damping - B).max(axis=0) / scale_B,
+        ((A + memory).mean(axis=0) - db.added_mass_inf) / scale_A,
     )
     for figure in figures:
         figure.flags.writeable = False
-    return RadiationResidual(*figures)
+    return RadiationResidual(*figures, bodies=tuple(getattr(db, "bodies", ())))
 
 
 class RadiationHistory:

@@ -250,6 +250,10 @@ class Sampler:
         self.system.evaluate(work)
         return self.sample(work)
 
+    def columns(self, name: str) -> slice:
+        """Where a chosen channel stands in a sample."""
+        return self._columns[name][0]
+
     def column(self, rows: Array, name: str) -> Array:
         """Channel `name` of samples (n, width): shape (n, ...). Raises CaseError for a name that is not there."""
         if name not in self._columns:

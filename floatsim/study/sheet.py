@@ -9,8 +9,8 @@ import numpy as np
 
 from floatsim.errors import SolveFailed
 from floatsim.frames import Array
-from floatsim.hydro.database import Finding, check_database
-from floatsim.hydro.floater import FloaterBatch, PotentialFlow
+from floatsim.hydro.database import Finding, HydroDatabase, check_database
+from floatsim.hydro.floater import FloaterBatch, PotentialFlow, shared_by
 from floatsim.hydro.hull import Hull
 from floatsim.model import Model
 from floatsim.parts.body import Body
@@ -81,12 +81,12 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
         roll, pitch = (float(C[k, k] - weight * body.center_of_mass[2]) for k in (3, 4))
         heave = float(net[2] / C[2, 2]) if C[2, 2] > 0.0 else float("nan")
     elif flow is not None:
-        C = flow.data.hydrostatic_stiffness
+        C = flow.hydrostatic_stiffness
         roll = float(C[3, 3] - weight * body.center_of_mass[2])
         pitch = float(C[4, 4] - weight * body.center_of_mass[2])
         heave = float(net[2] / C[2, 2]) if C[2, 2] > 0.0 else float("nan")
-        hull = flow.data.hull_vertices
-        draught = flow.volume * model.sea.density * model.gravity / C[2, 2] if C[2, 2] > 0.0 else 0.0
+        hull = _own_vertices(flow)
+        draught = buoyancy / C[2, 2] if C[2, 2] > 0.0 else 0.0
         if hull is not None:
             draught = -float(hull[:, 2].min())
         if net[2] < 0.0 and not heave > -draught:
@@ -151,24 +151,27 @@ def hulls(body: Body) -> list[Hull]:
     return [load for load in loads if isinstance(load, Hull)]
 
 
+def _own_vertices(flow: PotentialFlow) -> Array | None:
+    """Vertices (p, 3) of the body's own panels, if the database has them."""
+    db = flow.data
+    if db.hull_vertices is None or db.hull_faces is None or len(db.bodies) == 1:
+        return db.hull_vertices
+    return None if db.hull_body is None else db.hull_vertices[np.unique(db.hull_faces[db.hull_body == flow.index])]
+
+
 def database_findings(model: Model) -> list[tuple[str, Finding]]:
-    """What the sanity checks say of every body's hydrodynamic database."""
-    return [
-        (body.name, finding)
-        for body in model.parts
-        if isinstance(body, Body) and (flow := potential_flow(body)) is not None
-        for finding in check_database(flow.data)
-    ]
+    """What the sanity checks say of every hydrodynamic database: names of the bodies that share it, finding."""
+    flows = [(body.name, flow) for body in model.parts
+             if isinstance(body, Body) and (flow := potential_flow(body)) is not None]  # fmt: skip
+    shared: dict[object, tuple[list[str], HydroDatabase]] = {}
+    for k, (name, flow) in enumerate(flows):
+        shared.setdefault(shared_by(flow, k), ([], flow.data))[0].append(name)
+    return [(", ".join(names), finding) for names, db in shared.values() for finding in check_database(db)]
 
 
 def memory_notes(system: System) -> list[str]:
     """Per floater how well its radiation memory gives back the database it was made from."""
-    batches = [batch for batch in system.batches if isinstance(batch, FloaterBatch)]
-    return [
-        f"{part.body.name}: {kernel.residual.summary()} ({kernel.memory:g} s of memory)"
-        for batch in batches
-        for part, kernel in zip(batch.parts, batch.kernels, strict=True)
-    ]
+    return [note for batch in system.batches if isinstance(batch, FloaterBatch) for note in batch.notes()]
 
 
 def line_notes(model: Model) -> list[str]:

@@ -11,6 +11,9 @@ What a batch offers the system (the protocol; a part's description names its bat
     begin(work, history, t, state)  optional: what is constant during the step from `state` to time t
     nodes, lengths, weight_in_water, bending_force, let_out, largest_turn, expected_tension, exchange_tension
                                 optional, of lines: how statics keep slender things from folding (parts/line.py)
+    frequency_terms(omega, n_point), wave_force(omega, heading, n_point), frequencies()
+                                optional, of floaters: added mass, damping and excitation at one frequency, and the
+                                frequencies they are known at
     remembers                   whether commits or outputs need the evaluation of the accepted state itself
     error(history, work)        optional: local error of the step just made over what is allowed
     start(state) -> history     optional: its memory, committed by commit(history, work) only when a
@@ -231,6 +234,10 @@ class System:
         np.copyto(w.a, state.a)
         np.copyto(w.aux, state.aux)
         np.copyto(w.lam, state.lam)
+        self.orient(w)
+
+    def orient(self, w: Work) -> None:
+        """Rotation matrices in the scratch from its quaternions."""
         _configure(w.q, w.R)
 
     def begin(self, w: Work, state: State, t: float) -> None:

@@ -323,8 +323,13 @@ def test_require_match() -> None:
     assert len(caught.value.problems) == 4
     assert "water depth is 200 m, the model has 320 m" in str(caught.value)
     assert "(0, 0, 0) m, the body's is (0, 0, -14.4) m" in str(caught.value)
+    # deep water will do where the waves that the body makes do not feel the bed, tanh(k h) > 0.99 at the peak of B
+    deep = consistent(depth=math.inf)
+    damping = deep.radiation_damping[:, 2, 2]
+    k = deep.omega[damping.argmax()] ** 2 / 9.81
+    require_match(deep, **(good | {"depth": 1.05 * math.atanh(0.99) / k}))
     with pytest.raises(ModelError, match="depth is inf m"):
-        require_match(consistent(depth=math.inf), **good)
+        require_match(deep, **(good | {"depth": 0.95 * math.atanh(0.99) / k}))
 
 
 # --- VolturnUS-S --------------------------------------------------------------------------------
