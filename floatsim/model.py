@@ -118,7 +118,7 @@ class Model(Description):
     def loose(self) -> list[str]:
         """Parts with mass that are tied, directly or through others, to nothing that is fixed or floats: bodies and
         masses do not touch the seabed, so they have no equilibrium unless a line on the bed carries them."""
-        ties = [pair for joint in self.joints for pair in joint.ties()]
+        ties = [pair for joint in self.joints for pair in joint.ties() or [joint.targets()]]  # a rod's ends are apart
         ties += [(part.a, part.b) for part in self.parts if hasattr(part, "free_length")]
         names = [{end.partition(".")[0] if isinstance(end, str) else "" for end in pair} for pair in ties]
         held = {""} | {part.name for part in self.parts if getattr(part, "hydro", None) is not None}

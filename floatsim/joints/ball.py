@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from floatsim.description import Description, Name, Target
-from floatsim.joints.constraints import Align, Coincide, Place
+from floatsim.joints.constraints import Coincide, Drawing, Place, Row
 
 
 def default_label(target: str) -> str:
@@ -37,7 +37,7 @@ class Ball(Description):
         """Pairs that start at the same place."""
         return [(self.a, self.b)]
 
-    def rows(self, place: Callable[[Any], Place], attitude: Callable[[int], Any]) -> list[Coincide | Align]:
+    def rows(self, place: Callable[[Any], Place], drawing: Drawing) -> list[Row]:
         """The constraint rows, declared."""
         return [Coincide(place(self.a), place(self.b))]
 

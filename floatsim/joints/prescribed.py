@@ -20,7 +20,7 @@ from floatsim.description import Description, Name, is_number
 from floatsim.errors import ModelError
 from floatsim.frames import Array, matrix_from_angles
 from floatsim.joints.ball import default_label
-from floatsim.joints.constraints import Align, Coincide, Place
+from floatsim.joints.constraints import Coincide, Drawing, Place, Row
 from floatsim.joints.weld import weld_axes
 
 Function = Callable[[float], ArrayLike]
@@ -213,12 +213,12 @@ class Prescribed(Description):
         start = self.motion.translation(0.0)[0]
         return [(self.a, tuple(float(y) for y in start))]
 
-    def rows(self, place: Callable[[Any], Place], attitude: Callable[[int], Any]) -> list[Coincide | Align]:
+    def rows(self, place: Callable[[Any], Place], drawing: Drawing) -> list[Row]:
         a = place(self.a)
         ground = place((0.0, 0.0, 0.0))
-        rows: list[Coincide | Align] = [Coincide(a, ground, self.motion)]
+        rows: list[Row] = [Coincide(a, ground, self.motion)]
         if self.motion.columns == 6:
-            drawn = attitude(a.rotation)
+            drawn = drawing(a.rotation)
             if drawn is None:
                 raise ModelError(
                     f"Prescribed '{self.label}': the motion has 6 columns but '{self.a}' has no rotation; "

@@ -14,7 +14,7 @@ import numpy as np
 from floatsim.errors import ModelError
 from floatsim.frames import Array
 from floatsim.joints.ball import Ball
-from floatsim.joints.constraints import Align, Coincide, Place
+from floatsim.joints.constraints import Align, Coincide, Drawing, Place, Row
 
 _PAIRS = ((1, 2), (2, 0), (0, 1))  # e_y . e_z, e_z . e_x, e_x . e_y
 
@@ -35,17 +35,12 @@ class Weld(Ball):
     The relative attitude is that of the drawing. name: of the joint in outputs.
     """
 
-    def rows(self, place: Callable[[Any], Place], attitude: Callable[[int], Any]) -> list[Coincide | Align]:
+    def rows(self, place: Callable[[Any], Place], drawing: Drawing) -> list[Row]:
         a, b = place(self.a), place(self.b)
         for target in (self.a, self.b):
-            if isinstance(target, str) and attitude(place(target).rotation) is None:
+            if isinstance(target, str) and drawing(place(target).rotation) is None:
                 raise ModelError(
                     f"Weld '{self.label}': '{target}' has no rotation that could be welded; use Ball, or Clamp for "
                     "the end of a line"
                 )
-        return [Coincide(a, b), *weld_axes(a, b, _attitude(attitude, a), _attitude(attitude, b))]
-
-
-def _attitude(attitude: Callable[[int], Any], place: Place) -> Array:
-    R = attitude(place.rotation)
-    return np.eye(3) if R is None else R
+        return [Coincide(a, b), *weld_axes(a, b, drawing.attitude(a), drawing.attitude(b))]

@@ -9,8 +9,9 @@ far: 4 in all at 0.1 rad, 6 at 0.3, 8 at 0.5; beyond that steps are cut.
 A step is converged when three things hold: at every point and rotation the residual is below `tolerance` times
 the sum of the forces that meet there, every constraint is closed to 1e-9 of the model's length, and the last
 increment's largest translation and rotation were small against the step's. The last residual is foreseen
-instead of evaluated where Newton's quadratic convergence leaves no doubt, ten times r_k^2 max(1, r_k/r_{k-1}^2) below
-the tolerance, and no part keeps something from the last evaluation (`remembers`). A step that does not get there
+instead of evaluated where Newton's quadratic convergence leaves no doubt, ten times r_k^2 max(1, C) below the
+tolerance, and no part keeps something from the last evaluation (`remembers`); C = r_k/r_{k-1}^2 is the last that was
+seen, in this step or in one of the TRUSTED steps before. A step that does not get there
 is a value with a reason, never a result.
 """
 
@@ -32,6 +33,7 @@ from floatsim.system.system import System
 MAX_ITERATIONS = 12
 TOLERANCE = 2.5e-5  # of the forces that meet at a point; what implicit line codes stop at, too
 FINEST = 1e-8  # the tolerance that rounding errors allow, `Work.c[8]`
+TRUSTED = 10  # steps that may go by without a look at Newton's convergence
 UNDAMPED = 0.95  # spectral radius above which position-level multipliers blow up sooner or later
 
 
@@ -137,6 +139,7 @@ class Stepper:
         self._norms = np.zeros(4)
         self._largest = np.zeros(4)
         self._expected = 2  # iterations of a step
+        self._curve, self._unseen = 1.0, TRUSTED  # C = r_k/r_{k-1}^2 as last seen, and steps since
         self._scaled_for = 0.0
 
     # -- one step -----------------------------------------------------------------------------
@@ -144,18 +147,19 @@ class Stepper:
     def step(self, state: State, h: float, control: float | None = None) -> StepReport:
         """Advance `state` by h in place if the step converges; leave it where it is if not.
 
-        A state never stepped, or one in which a line just broke (step 0), gets consistent accelerations first.
+        A state never stepped, or one in which a line just broke (step 0) or a lock engages or releases, gets consistent
+        velocities and accelerations first.
         control: the local error that is allowed, over what batches think right (1; inf only measures it); None: not
         looked at.
         """
         w, sys, sch = self.work, self.system, self.scheme
-        if state.step == 0.0:
+        if sys.switch(state) or state.step == 0.0:
             self.start(state, h)
         if state.step != h:
             # aux belongs to t + (am - af) h: move it along the true acceleration's slope. What velocities
             # leave open of the constraints goes with h^2 (see `start`); left alone, a multiplier errs by O(h)
             aux0 = state.a + (h / state.step) * (state.aux - state.a)
-            v0 = state.v - (1.0 - (h / state.step) ** 2) * self._normal_part(state, state.v, 1.0)
+            v0 = state.v - (1.0 - (h / state.step) ** 2) * self._normal_part(state, state.v, 1.0)[0]
         else:
             aux0, v0 = state.aux, state.v
         k = self._k
@@ -197,6 +201,8 @@ class Stepper:
                 self._scale_constraints(h)
                 sys.evaluate(w)
             norms(w.r, w.s, sys.n_point, n_dof, w.c[3], n)
+            if iteration > 0 and n[0] < 1e15:
+                self._curve, self._unseen = n[0] / max(before, 1e-30) ** 2, 0
             if n[0] <= self.tolerance and n[2] <= 1e-9 * length and increment_ok and w.trouble is None:
                 self._expected = max(iteration, 1)
                 return StepReport(True, iteration, h, float(n[0]))
@@ -212,10 +218,12 @@ class Stepper:
             advance(d, y, w.lam, w.c[3], sys.n_point + 1, big)
             increment_ok = big[0] <= 0.02 * big[1] + 1e-7 * length and big[2] <= 0.02 * big[3] + 1e-7
             # Newton squares the residual: where that is certain to be enough, looking again costs more than it tells
-            square = 10.0 * n[0] * max(n[0], (n[0] / max(before, 1e-30)) ** 2)
-            if foresee and square <= self.tolerance and increment_ok and n[2] <= 1e-9 * length and w.trouble is None:
+            square = 10.0 * n[0] ** 2 * max(1.0, self._curve)
+            sure = square <= self.tolerance and n[2] <= 1e-9 * length and self._unseen < TRUSTED
+            if foresee and sure and increment_ok and w.trouble is None:
                 kinematics(y, self._k, state.x, state.q, v0, state.a, aux0, w.x, w.q, w.R, w.v, w.a, w.aux)
                 self._expected = 0
+                self._unseen += 1
                 return StepReport(True, iteration + 1, h, float(square))
             before = n[0]
         worst = int(n[1]) if n[0] > self.tolerance else int(n[3])
@@ -256,7 +264,9 @@ class Stepper:
         Raises CaseError for joints that are open in the state: the first step would slam them shut.
         """
         self._require_closed(state)
-        state.v -= self._normal_part(state, state.v, 1.0)
+        normal, lost = self._normal_part(state, state.v, 1.0)
+        state.v -= normal
+        self.system.struck(state, lost)
         state.a[:], state.lam[:] = self._acceleration(state, 0.0)
         shift = (self.scheme.alpha_f - self.scheme.alpha_m) * h
         state.aux[:] = state.a
@@ -268,12 +278,13 @@ class Stepper:
             state.aux[:] = 2.0 * state.a - ahead
             sch = self.scheme
             share = 1.0 / 6.0 - 0.5 * (sch.alpha_m - sch.alpha_f) - sch.beta
-            state.v += share * h * h * self._normal_part(state, (ahead - state.a) / shift, 0.0)
+            state.v += share * h * h * self._normal_part(state, (ahead - state.a) / shift, 0.0)[0]
         state.step = h
 
     def _require_closed(self, state: State) -> None:
         w, sys = self.work, self.system
         self._at(state, 0.0)
+        w.lam[:] = 0.0  # what a lock held before it released is no gap
         w.c[:4] = (0.0, 0.0, 0.0, 1.0)
         w.c[6] = 1.0
         sys.evaluate(w)
@@ -316,11 +327,12 @@ class Stepper:
             raise SolveFailed("no consistent accelerations: the mass matrix is singular (a part without mass?)")
         return d[: sys.n_dof].copy(), w.c[3] * d[sys.n_dof :]
 
-    def _normal_part(self, state: State, y: Array, driven: float) -> Array:
-        """The smallest d (in the mass norm) with G d = G y + driven dg/dt: what the constraints see of y."""
+    def _normal_part(self, state: State, y: Array, driven: float) -> tuple[Array, Array]:
+        """The smallest d (in the mass norm) with G d = G y + driven dg/dt: what the constraints see of y; and
+        1/2 d^T M d by constraint row, the energy [J] that taking d out of velocities takes."""
         w, sys = self.work, self.system
         if sys.n_con == 0:
-            return np.zeros(sys.n_dof)
+            return np.zeros(sys.n_dof), np.zeros(0)
         sys.load(w, state)
         w.a[:] = 0.0
         w.lam[:] = 0.0
@@ -337,7 +349,7 @@ class Stepper:
         d = np.zeros(sys.n)
         if not self.linear.solve(w.A, w.r, d):
             raise SolveFailed("no consistent velocities: the mass matrix is singular (a part without mass?)")
-        return d[: sys.n_dof]
+        return d[: sys.n_dof], 0.5 * w.r[sys.n_dof :] * d[sys.n_dof :]
 
 
 def step(

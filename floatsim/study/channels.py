@@ -7,7 +7,8 @@ collected, and no Python loop runs over elements.
 
 Line end forces and joint forces are multipliers. With the residual M a + f + G^T lam = 0, a `coincide` row puts
 -lam on A and +lam on B: lam is the force A exerts on B. An `align` row g = a . b has G = (a x b) for turns of A and
--(a x b) for turns of B (angular velocities, world axes), so that mu (a x b) is the moment that A exerts on B.
+-(a x b) for turns of B (angular velocities, world axes), so that mu (a x b) is the moment that A exerts on B. Rows of
+`inline` and `separation` give forces lam e and lam d/L at A's point, about which a joint's moment is therefore meant.
 
 Touchdown: walking down from the upper end, the first node in contact, moved to where the line's inclination against
 the bed, tan = V/H, has fallen to zero. In a catenary V/H is linear in arc length, in one of lumped weights too, so two
@@ -66,22 +67,12 @@ def attitudes(R, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def align_moments(R, where, axes, mu, out):  # type: ignore[no-untyped-def]
-    """out (3 n): mu (a x b), the moment that A exerts on B, world axes. where (n, 2), axes (n, 6)."""
-    for e in range(where.shape[0]):
-        a = rotate(R, where[e, 0], (axes[e, 0], axes[e, 1], axes[e, 2]))
-        n = cross(a, rotate(R, where[e, 1], (axes[e, 3], axes[e, 4], axes[e, 5])))
-        for m in range(3):
-            out[3 * e + m] = mu[e] * n[m]
-
-
-@kernel
 def clamp_values(x, R, lam, where, E, moment, ties, out):  # type: ignore[no-untyped-def]
     """out (8 n), of every clamped line end: angle between the clamp's direction and the line's outermost element, size
     of the end moment, the end moment, and the part of the end force normal to the clamp's direction.
 
-    where (n, 4), E (n, 5), moment (n, 3): see EndBendingBatch. ties (n, 2 m): first multiplier and sign of up to m
-    joints at the end, which add up to the force of the line's end.
+    where (n, 4), E (n, 5), moment (n, 3): see EndBendingBatch. ties (n, 2 m): place in lam and sign of up to m forces
+    at the end, which add up to the force of the line's end.
     """
     for e in range(where.shape[0]):
         a = rotate(R, where[e, 0], (E[e, 2], E[e, 3], E[e, 4]))
@@ -379,21 +370,24 @@ class Sampler:
         ties = _ties(self.system, point)
         if not ties:
             return np.full(3, self._sources.zero), np.zeros(3)
-        rows = [self._sources.lam[k + _XYZ] for k, _ in ties]
+        rows = [self._sources.carried[k + _XYZ] for k, _ in ties]
         return np.stack(rows, axis=1), np.tile([float(sign) for _, sign in ties], (3, 1))
 
     def _joints(self) -> Iterable[Found]:
         s = self._sources
-        for label, (points, axes) in self.system.joint_rows.items():
-            if points:
-                index = np.stack([s.lam[3 * k + _XYZ] for k in points], axis=1)
+        first = _loads(self.system)
+        for label, own in self.system.joint_rows.items():
+            forces = [3 * k for k in own.points]
+            forces += [first[1] + 3 * k for k in own.planes] + [first[2] + 3 * k for k in own.lengths]
+            if forces:
+                index = np.stack([s.carried[k + _XYZ] for k in forces], axis=1)
                 text = f"{label}: force that its side a exerts on side b, world axes"
                 yield Channel(f"{label}_force", text, "N", ("xyz",)), index, 1.0, 0.0
-            moment = [s.align_moment[3 * k + _XYZ] for k in axes]
+            moment = [s.carried[first[0] + 3 * k + _XYZ] for k in own.axes]
             if label in s.clamp_moment:
                 moment.append(s.clamp_moment[label])
             if moment:
-                text = f"{label}: moment about the joint that its side a exerts on side b, world axes"
+                text = f"{label}: moment about its point a that its side a exerts on side b, world axes"
                 yield Channel(f"{label}_moment", text, "N m", ("xyz",)), np.stack(moment, axis=1), 1.0, 0.0
 
 
@@ -413,9 +407,9 @@ class _Sources:
         self.zero = int(self._room(1)[0])
         self.x = self._room(3 * (system.n_point + 1))
         self.v, self.a = self._room(system.n_dof), self._room(system.n_dof)
-        self.lam = self._room(system.n_con)
+        # multipliers, then moments and forces of the rows that have one: see `_loads`
+        self.carried = self._room(_loads(system)[3])
         self.attitude = self._room(3 * (system.n_rotation + 1))
-        self.align_moment = self._room(3 * len(con.turns))
         self.solver, self.environment = self._room(2), self._room(1)
         ne, nn = sum(p.elements for p in lines), sum(p.elements + 1 for p in lines)
         line = self._room(ne + 2 * (ne - len(lines)) + nn + 3 * len(lines))
@@ -449,8 +443,8 @@ class _Sources:
         self._shares = [slice(a, b) for a, b in zip(ends, ends[1:])]
         self.values = np.zeros(self.size)
         rooms = [self.values[part] for part in self._slices]
-        (_, self._x, self._v, self._a, self._lam, self._attitude, self._align, self._solver, self._environment,
-         self._line, self._clamp, self._told) = rooms  # fmt: skip
+        (_, self._x, self._v, self._a, self._carried, self._attitude, self._solver, self._environment, self._line,
+         self._clamp, self._told) = rooms  # fmt: skip
         self._waves, self._ramp = system.waves, system.model.sea.wave_ramp
         self._reach = CONTACT * system.model.sea.depth
         self.want(np.arange(self.size))
@@ -459,7 +453,7 @@ class _Sources:
         """Which sources are asked for: `collect` leaves out kinds of which there are none."""
         asked = np.zeros(self.size, dtype=bool)
         asked[index] = True
-        (_, self._want_x, self._want_v, self._want_a, self._want_lam, self._want_attitude, self._want_align, _,
+        (_, self._want_x, self._want_v, self._want_a, self._want_carried, self._want_attitude, _,
          self._want_waves, self._want_lines, self._want_clamps,
          self._want_told) = [bool(asked[part].any()) for part in self._slices]  # fmt: skip
 
@@ -477,18 +471,17 @@ class _Sources:
             self._v[:] = w.v
         if self._want_a:
             self._a[:] = w.a
-        if self._want_lam:
-            self._lam[:] = w.lam
+        if self._want_carried or self._want_clamps:
+            n = len(w.lam)
+            self._carried[:n] = w.lam
+            self._constraints.loads(w, self._carried[n:])
         if self._want_attitude:
             attitudes(w.R, self._attitude)
-        if self._want_align:
-            con = self._constraints
-            align_moments(w.R, con.turns, con.vectors, w.lam[con.n_point_rows :], self._align)
         if self._want_lines and (b := self._lines) is not None:
             line_values(w.x, w.v, b.nodes, b.P, b.special, b.pairs, b.B, b.tables, b.bed, b.grid, self._lines_at,
                         self._arc, self._reach, self._line)  # fmt: skip
         if self._want_clamps and (c := self._clamps) is not None:
-            clamp_values(w.x, w.R, w.lam, c.where, c.E, c.moment, self._ties, self._clamp)
+            clamp_values(w.x, w.R, self._carried, c.where, c.E, c.moment, self._ties, self._clamp)
         if self._want_told:
             for batch, share in zip(self._tell, self._shares):
                 batch.measure(w, self._told[share])
@@ -497,10 +490,21 @@ class _Sources:
 
 
 def _ties(system: System, point: int) -> list[tuple[int, int]]:
-    """(first multiplier, sign) of the joints at a point: what adds up to the force it exerts on them."""
-    where = system.constraints.where
-    rows = np.flatnonzero((where[:, 0] == point) | (where[:, 2] == point))
-    return [(3 * int(k), 1 if where[k, 0] == point else -1) for k in rows]
+    """(place among the carried loads, sign) of the joints at a point: what adds up to the force it exerts on them."""
+    con, first = system.constraints, _loads(system)
+    found = []
+    for kind, start in ((con.coincide, 0), (con.inline, first[1]), (con.separation, first[2])):
+        where = kind.where
+        for k in np.flatnonzero((where[:, 0] == point) | (where[:, 2] == point)):
+            found.append((start + 3 * int(k), 1 if where[k, 0] == point else -1))
+    return found
+
+
+def _loads(system: System) -> list[int]:
+    """Where, after the multipliers, moments of `align` and forces of `inline` and `separation` rows begin, and end."""
+    con = system.constraints
+    sizes = (3 * con.align.n, 3 * con.inline.n, 3 * con.separation.n)
+    return [int(k) for k in np.cumsum([con.n, *sizes])]
 
 
 def _b_is_upper(system: System, line: Line) -> bool:

@@ -135,8 +135,7 @@ def dof_table(system: System) -> list[tuple[str, str, int, int]]:
     """(name, kind, points, rotations) of every part, and (name, kind, constraint rows, 0) of every joint."""
     rows = [(p.name, type(p).__name__, p.n_points, p.n_rotations) for p in system.model.parts]
     for joint in system.model.joints:
-        points, axes = system.joint_rows[joint.label]
-        rows.append((joint.label, type(joint).__name__, 3 * len(points) + len(axes), 0))
+        rows.append((joint.label, type(joint).__name__, system.joint_rows[joint.label].n, 0))
     return rows
 
 

@@ -21,6 +21,10 @@ What a batch offers the system (the protocol; a part's description names its bat
     keep(state, before, after)  optional: what of the memory `before` outlives a new equilibrium
     outputs() -> [Output]       optional: what it has to tell, written for every sample by measure(work, out)
     unused(history)             optional: before the first equilibrium nothing was ever loaded, however it is drawn
+    rows(coordinates) -> {name: [row]}, hold(constraints, joint_rows), engage_all(history), switch(state, history),
+    struck(history, lost)       optional, of locks (joints/lock.py): constraint rows of their own; which they are; all
+                                on, to check their rank; whether one engages or releases before a step; what it cost by
+                                constraint row [J]
 """
 
 from __future__ import annotations
@@ -34,7 +38,7 @@ from numpy.typing import NDArray
 from floatsim.errors import CaseError, ModelError, nearest
 from floatsim.frames import Array, quaternion_from_matrix, set_matrix
 from floatsim.jit import kernel
-from floatsim.joints.constraints import Align, Coincide, Constraints, Place
+from floatsim.joints.constraints import Coincide, Constraints, Drawing, JointRows, Place
 from floatsim.model import Model
 from floatsim.sea.kinematics import Kinematics
 from floatsim.system.layout import build_layout
@@ -42,7 +46,7 @@ from floatsim.system.state import State, Work
 
 
 class Numbering:
-    """Points and rotations of every part, and connection points by name."""
+    """Points and rotations of every part, where they are drawn, connection points and joints by name."""
 
     def __init__(self, model: Model, parts: list[Any]) -> None:
         self.parts = parts
@@ -56,6 +60,16 @@ class Numbering:
             self.n_rotation += part.n_rotations
         self._index = {part.name: k for k, part in enumerate(parts)}
         self._targets = model.targets()
+        self._joints = {joint.label: joint for joint in model.joints}
+        self.x0 = np.zeros((self.n_point + 1, 3))
+        self.R0 = np.tile(np.eye(3), (self.n_rotation + 1, 1, 1))
+        placed = model.placement()
+        for part, p, k in zip(parts, self.first_point, self.first_rotation, strict=True):
+            if part.name in placed and part.n_points:
+                x, R = placed[part.name]
+                self.x0[p : p + len(x)] = x
+                self.R0[k : k + len(R)] = R
+        self.attitude = Drawing(self.x0, self.R0)
 
     def index(self, name: str) -> int:
         """Position of the part `name`."""
@@ -76,6 +90,10 @@ class Numbering:
         turn = self.first_rotation[k] + rotation if rotation >= 0 else self.n_rotation
         return Place(self.first_point[k] + point, turn, arm)
 
+    def coordinates(self, joint: str) -> dict[str, Any]:
+        """The coordinates of the joint with this label: name -> Slide, Turn or Distance."""
+        return dict(self._joints[joint].coordinates(self.place, self.attitude))
+
 
 @kernel
 def _configure(q, R):  # type: ignore[no-untyped-def]
@@ -91,7 +109,7 @@ class System:
         parts = model.everything()
         self.numbering = num = Numbering(model, parts)
         self.n_point, self.n_rotation = num.n_point, num.n_rotation
-        self._place(model, num)
+        self.x0, self.R0 = num.x0, num.R0
         groups: dict[type, list[int]] = {}
         for k, part in enumerate(parts):
             groups.setdefault(part.batch(), []).append(k)
@@ -117,44 +135,24 @@ class System:
         self.length = self._extent()
         rank_check(self)
 
-    def _place(self, model: Model, num: Numbering) -> None:
-        placed = model.placement()
-        self.x0 = np.zeros((self.n_point + 1, 3))
-        self.R0 = np.tile(np.eye(3), (self.n_rotation + 1, 1, 1))
-        for part, p, k in zip(num.parts, num.first_point, num.first_rotation, strict=True):
-            if part.name in placed and part.n_points:
-                x, R = placed[part.name]
-                self.x0[p : p + len(x)] = x
-                self.R0[k : k + len(R)] = R
-
     def _constraints(self, model: Model, num: Numbering) -> Constraints:
-        def attitude(rotation: int) -> Array | None:
-            return self.R0[rotation] if rotation < self.n_rotation else None
-
-        points: list[Coincide] = []
-        axes: list[Align] = []
-        self.joint_rows: dict[str, tuple[list[int], list[int]]] = {}
-        self._row_names: list[str] = []
-        axis_names: list[str] = []
+        out = Constraints()
+        self.joint_rows: dict[str, JointRows] = {}
         for joint in model.joints:
-            mine: tuple[list[int], list[int]] = ([], [])
-            for row in joint.rows(num.place, attitude):
-                if isinstance(row, Coincide):
-                    mine[0].append(len(points))
-                    points.append(row)
-                    self._row_names += [joint.label] * 3
-                else:
-                    mine[1].append(len(axes))
-                    axes.append(row)
-                    axis_names.append(joint.label)
-            self.joint_rows[joint.label] = mine
+            self.joint_rows[joint.label] = out.append(joint.label, joint.rows(num.place, num.attitude))
         zero = (0.0, 0.0, 0.0)
         for part, p in zip(num.parts, num.first_point, strict=True):
             for a, b in part.internal_balls():
-                points.append(Coincide(Place(p + a, self.n_rotation, zero), Place(p + b, self.n_rotation, zero)))
-                self._row_names += [part.name] * 3
-        self._row_names += axis_names
-        return Constraints(points, axes)
+                ends = Place(p + a, self.n_rotation, zero), Place(p + b, self.n_rotation, zero)
+                out.append(part.name, [Coincide(*ends)])
+        locks = [batch for batch in self.batches if hasattr(batch, "hold")]
+        for batch in locks:
+            for label, rows in batch.rows(num.coordinates).items():
+                self.joint_rows[label] = out.append(label, rows)
+        out.close()
+        for batch in locks:
+            batch.hold(out, self.joint_rows)
+        return out
 
     def _layout(self):  # type: ignore[no-untyped-def]
         xyz = np.arange(3)
@@ -177,7 +175,7 @@ class System:
 
     def _extent(self) -> float:
         """A length of the whole model [m], for tolerances: its points, arms, fixed points and bodies' own sizes."""
-        arms = [self.constraints.arms.ravel()]
+        arms = [self.constraints.arms]
         arms += [batch.arms.ravel() for batch in self.batches if hasattr(batch, "arms")]
         spread = np.ptp(self.x0[: self.n_point], axis=0) if self.n_point else np.zeros(3)
         own = [part.extent for part in self.numbering.parts if hasattr(part, "extent")]
@@ -275,6 +273,16 @@ class System:
             batch.add(w)
         self.constraints.add(w)
 
+    def switch(self, state: State) -> bool:
+        """Let locks engage and release at the state, before a step; whether one did."""
+        return any([b.switch(state, state.history[k]) for k, b in enumerate(self.batches) if hasattr(b, "switch")])
+
+    def struck(self, state: State, lost: Array) -> None:
+        """Tell locks what energy each constraint row took [J] (n_con,) when velocities were made consistent."""
+        for k, batch in enumerate(self.batches):
+            if hasattr(batch, "struck"):
+                batch.struck(state.history[k], lost)
+
     def error(self, w: Work, state: State) -> float:
         """Local error of the step in `w` from `state`, over what is allowed: above 1 it should be made smaller."""
         worst = 0.0
@@ -307,7 +315,7 @@ class System:
         """What unknown i belongs to, in the user's words."""
         axis = "xyz"[i % 3]
         if i >= self.n_dof:
-            return f"joint '{self._row_names[i - self.n_dof]}'"
+            return f"joint '{self.constraints.names[i - self.n_dof]}'"
         if i >= 3 * (self.n_point + 1):
             k = i // 3 - self.n_point - 1
             for part, first in zip(self.numbering.parts, self.numbering.first_rotation, strict=True):
@@ -338,7 +346,7 @@ class System:
 
     def row_name(self, k: int | np.integer) -> str:
         """Joint of constraint row k."""
-        return self._row_names[k]
+        return self.constraints.names[k]
 
 
 def rank_check(system: System) -> None:
@@ -354,6 +362,9 @@ def rank_check(system: System) -> None:
     state = system.initial_state()
     system.load(w, state)
     system.constraints.move(0.0)
+    for k, batch in enumerate(system.batches):
+        if hasattr(batch, "engage_all"):
+            batch.engage_all(state.history[k])
     G = system.jacobian(w)
     gap = w.r[system.n_dof :]
     G.eliminate_zeros()
