@@ -13,7 +13,14 @@ from floatsim.hydro.hull import Hull
 from floatsim.hydro.wamit import read_wamit
 from floatsim.joints.ball import Ball
 from floatsim.joints.clamp import Clamp
+from floatsim.joints.cylindrical import Cylindrical
+from floatsim.joints.hinge import Hinge
+from floatsim.joints.lock import Lock
+from floatsim.joints.point_on_line import PointOnLine
 from floatsim.joints.prescribed import Motion, Prescribed
+from floatsim.joints.rod import Rod
+from floatsim.joints.slider import Slider
+from floatsim.joints.universal import Universal
 from floatsim.joints.weld import Weld
 from floatsim.laws.engineering import Engineering
 from floatsim.laws.moment_table import MomentTable
@@ -25,9 +32,19 @@ from floatsim.parts.line import Line
 from floatsim.parts.member import Disc, Member
 from floatsim.parts.point_buoy import PointBuoy
 from floatsim.parts.point_mass import PointMass
+from floatsim.parts.pto import PTO
 from floatsim.parts.section import Attachment, BendStiffener, Break, Piece, Section
 from floatsim.parts.shapes import Arc, Catenary, Nodes, Straight, ThreeCircles
 from floatsim.parts.spring import Spring
+from floatsim.pto_laws.coulomb import Coulomb
+from floatsim.pto_laws.end_stop import EndStop
+from floatsim.pto_laws.force_table import ForceTable
+from floatsim.pto_laws.hydraulic import Hydraulic
+from floatsim.pto_laws.linear import Linear
+from floatsim.pto_laws.one_sided import CompressionOnly, TensionOnly
+from floatsim.pto_laws.polynomial import Polynomial
+from floatsim.pto_laws.taut_mooring import TautMooring
+from floatsim.pto_laws.user_law import UserLaw
 from floatsim.sea.elevation_series import ElevationSeries
 from floatsim.sea.focused import FocusedWave
 from floatsim.sea.seabed import Bathymetry, Seabed
@@ -48,6 +65,7 @@ from floatsim.solve.static import StaticReport, solve_static
 from floatsim.solve.step import Stepper, StepReport, step
 from floatsim.study.lazy_wave import diameter_from_weights, section_lengths, sizing
 from floatsim.study.moordyn import MoorDynImport, read_moordyn
+from floatsim.study.power import capture_width, mean_power, wave_power
 from floatsim.study.ranges import RangeGraph, range_graph
 from floatsim.study.release import DecayTest, decay_test
 from floatsim.study.simulate import Run, simulate
@@ -57,13 +75,16 @@ from floatsim.version import __version__
 
 __all__ = [
     "__version__", "Arc", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break",
-    "Bretschneider", "CaseError", "Catenary", "check_database", "Clamp", "CombinedWaves", "Current", "CurrentTable",
-    "decay_test", "DecayTest", "diameter_from_weights", "Disc", "ElevationSeries", "Engineering", "Expected",
-    "FloatsimError", "FocusedWave", "generalised_alpha", "hht", "Hull", "HydroDatabase", "IrregularWaves", "Jonswap",
-    "Line", "Member", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes",
-    "newmark", "Nodes", "OchiHubble", "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PotentialFlow",
-    "PowerLaw", "Prescribed", "range_graph", "RangeGraph", "read_moordyn", "read_wamit", "RegularWave", "Run",
-    "Scheme", "Sea", "Seabed", "Section", "section_lengths", "simulate", "sizing", "solve_static", "SolveFailed",
-    "SpectrumTable", "Spring", "State", "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight",
-    "System", "TensionTable", "ThreeCircles", "Torsethaugen", "WaveComponents", "Weld", "WhiteNoise",
+    "Bretschneider", "capture_width", "CaseError", "Catenary", "check_database", "Clamp", "CombinedWaves",
+    "CompressionOnly", "Coulomb", "Current", "CurrentTable", "Cylindrical", "decay_test", "DecayTest",
+    "diameter_from_weights", "Disc", "ElevationSeries", "EndStop", "Engineering", "Expected", "FloatsimError",
+    "FocusedWave", "ForceTable", "generalised_alpha", "hht", "Hinge", "Hull", "Hydraulic", "HydroDatabase",
+    "IrregularWaves", "Jonswap", "Line", "Linear", "Lock", "mean_power", "Member", "Mode", "Model", "ModelError",
+    "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark", "Nodes", "OchiHubble", "Piece",
+    "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine", "Polynomial", "PotentialFlow", "PowerLaw",
+    "Prescribed", "PTO", "range_graph", "RangeGraph", "read_moordyn", "read_wamit", "RegularWave", "Rod", "Run",
+    "Scheme", "Sea", "Seabed", "Section", "section_lengths", "simulate", "sizing", "Slider", "solve_static",
+    "SolveFailed", "SpectrumTable", "Spring", "State", "StaticDynamic", "StaticReport", "step", "Stepper",
+    "StepReport", "Straight", "System", "TautMooring", "TensionOnly", "TensionTable", "ThreeCircles", "Torsethaugen",
+    "Universal", "UserLaw", "wave_power", "WaveComponents", "Weld", "WhiteNoise",
 ]  # fmt: skip

@@ -119,7 +119,7 @@ class Model(Description):
         """Parts with mass that are tied, directly or through others, to nothing that is fixed or floats: bodies and
         masses do not touch the seabed, so they have no equilibrium unless a line on the bed carries them."""
         ties = [pair for joint in self.joints for pair in joint.ties() or [joint.targets()]]  # a rod's ends are apart
-        ties += [(part.a, part.b) for part in self.parts if hasattr(part, "free_length")]
+        ties += [part.between for part in self.parts if part.between]
         names = [{end.partition(".")[0] if isinstance(end, str) else "" for end in pair} for pair in ties]
         held = {""} | {part.name for part in self.parts if getattr(part, "hydro", None) is not None}
         rho = self.sea.density
@@ -149,7 +149,7 @@ class Model(Description):
             )
         targets = self.targets()
         ends = [(f"joint '{joint.label}'", joint.targets()) for joint in self.joints]
-        ends += [(_label(part), (part.a, part.b)) for part in self.parts if hasattr(part, "free_length")]
+        ends += [(_label(part), part.between) for part in self.parts if part.between]
         unknown = [(who, t) for who, pair in ends for t in pair if isinstance(t, str) and t not in targets]
         for who, t in unknown:
             yield f"{who}: there is no connection point '{t}'{nearest(t, targets)}"
@@ -188,8 +188,8 @@ class Model(Description):
                 continue
             x, _ = placed[part.name]
             ends = {anchor: x[point] for anchor, (point, rotation, _) in part.anchors().items() if rotation < 0}
-            if hasattr(part, "free_length"):
-                ends = {end: self._where(getattr(part, end), targets, placed) for end in ("a", "b")}
+            if part.between:
+                ends = {end: self._where(at, targets, placed) for end, at in zip("ab", part.between, strict=True)}
             yield from part.problems(ends, self.sea)
 
 

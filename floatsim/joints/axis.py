@@ -13,7 +13,7 @@ from floatsim.errors import ModelError
 from floatsim.frames import Array
 from floatsim.joints.ball import Ball
 from floatsim.joints.constraints import Align, Drawing, Inline, Place, Triple
-from floatsim.joints.coordinates import Slide, Turn
+from floatsim.joints.coordinates import JointCoordinates, Slide, Turn
 
 
 def _has_length(value: Triple) -> Triple:
@@ -27,7 +27,10 @@ Pair = Annotated[tuple[float, float], numbers("two finite numbers", 2)]
 
 
 class CoordinateJoint(Ball):
-    """Base of joints that have coordinates."""
+    """Base of joints that have coordinates; these are outputs."""
+
+    def children(self) -> list[Any]:
+        return [JointCoordinates(name=f"{self.label}.coordinates", joint=self.label)]
 
 
 class AxisJoint(CoordinateJoint):

@@ -47,6 +47,11 @@ class Part(Description):
         """Connection points: name -> (local point, local rotation or -1, arm in the body frame); '' is the part."""
         return {}
 
+    @property
+    def between(self) -> tuple[Any, ...]:
+        """The two connection points or fixed points that it acts between, `a` and `b`, if it does."""
+        return ()
+
     def children(self) -> list[Any]:
         """Parts that come with this one."""
         return []

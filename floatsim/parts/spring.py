@@ -43,6 +43,10 @@ class Spring(Part):
     def batch() -> type[SpringBatch]:
         return SpringBatch
 
+    @property
+    def between(self) -> tuple[Any, ...]:
+        return self.a, self.b
+
     def problems(self, ends: dict[str, Array], sea: Any) -> list[str]:
         """What only shows once the ends are known."""
         a, b = ends.get("a"), ends.get("b")

@@ -328,6 +328,8 @@ class _Relaxation:
         folded = self.work.trouble
         if folded is None:
             return "no convergence"
+        if "folded" not in folded:
+            return folded
         return f"{folded}: elements there are too long for the bend, shorten them (or set EI = 0 for a limp line)"
 
     def result(self) -> State:

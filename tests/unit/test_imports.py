@@ -13,6 +13,8 @@ PACKAGE = Path(floatsim.__file__).parent
 CONCRETE = (  # `system` and `solve` know protocols and primitives only
     "floatsim.parts", "floatsim.laws", "floatsim.hydro", "floatsim.sea.spectra", "floatsim.sea.waves",
     "floatsim.joints.ball", "floatsim.joints.weld", "floatsim.joints.clamp", "floatsim.joints.prescribed",
+    "floatsim.joints.hinge", "floatsim.joints.slider", "floatsim.joints.universal", "floatsim.joints.cylindrical",
+    "floatsim.joints.rod", "floatsim.joints.point_on_line", "floatsim.joints.lock", "floatsim.pto_laws",
 )  # fmt: skip
 
 
@@ -58,7 +60,7 @@ def test_system_and_solve_know_nothing_concrete():
     [
         (["system"], ["solve", "study", "cli"]),
         (["solve"], ["study", "cli"]),
-        (["parts", "joints", "laws", "sea", "hydro"], ["system", "solve", "study", "cli"]),
+        (["parts", "joints", "laws", "pto_laws", "sea", "hydro"], ["system", "solve", "study", "cli"]),
         (["study"], ["cli"]),
     ],
 )

@@ -29,6 +29,8 @@ from floatsim.parts.end_bending import EndBendingBatch
 from floatsim.parts.line import LineBatch
 from floatsim.parts.member import Disc, Member
 from floatsim.parts.point_buoy import PointBuoy
+from floatsim.parts.pto import PTO
+from floatsim.pto_laws.polynomial import Polynomial
 
 STENCIL = ((1.0, 4.0 / 5.0), (2.0, -1.0 / 5.0), (3.0, 4.0 / 105.0), (4.0, -1.0 / 280.0))  # eighth order
 WET = dict(drag_normal=1.2, drag_tangential=0.3, added_mass_normal=1.0, added_mass_tangential=0.2)
@@ -67,6 +69,7 @@ def loaded():
 TABLE = fs.TensionTable(strain=(0.0, 0.1, 0.4), tension=(0.0, 1e4, 9e4))
 POLYESTER = fs.StaticDynamic(strain=(0.0, 0.2, 0.6), tension=(0.0, 1e4, 9e4), dynamic_stiffness=2e5, per_tension=3.0,
                              relaxation_time=2.0, permanent_share=0.3)  # fmt: skip
+LAW = Polynomial(stiffness=(400.0, -20.0, 30.0), damping=(30.0,))
 MOMENTS = fs.MomentTable(curvature=(0.0, 0.2, 0.5, 0.9), moment=(0.0, 6e3, 9e3, 2e4))
 
 
@@ -185,6 +188,7 @@ SYSTEMS = {
     "spring to the ground": (lambda: bodies(parts=[fs.Spring(name="spring", a="one.p", b=(1, 2, 3), stiffness=400.0,
                                                              damping=30.0, free_length=0.7, tension_only=True)]),
                              None, {}),
+    "PTO": (lambda: bodies(parts=[PTO(name="pto", a="one.p", b=(1, 2, 3), laws=[LAW])]), None, {}),
     "clamp on a body": (lambda: clamped("one.p", EI=3e4), "EI", {}),
     "clamp on the ground": (lambda: clamped((0, 0, 6), EI=3e4), "EI", {}),
     "clamp's damping": (lambda: clamped("one.p", EI=1.0, bending_damping=3e3), "CB", {}),
