@@ -18,10 +18,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from floatsim.errors import ModelError
 from floatsim.jit import kernel
@@ -71,32 +71,19 @@ class Excitation:
         body: int = 0,
         froude_krylov: bool = True,
     ) -> Excitation:
-        """Excitation by `sea` of floater number `body` of `db`, its reference point drawn at `position` (x, y), m, with
-        `heading`, rad. froude_krylov: whether the undisturbed wave's part is in it; if not, the database must know it.
+        """Excitation by `sea` of the floater of `db`, its reference point drawn at `position` (x, y), m, with
+        `heading`, rad. body: its index in a database of several; froude_krylov: False leaves that part out
+        (diffraction alone).
 
         Raises ModelError if the headings do not cover the circle (with those missing) or are too coarse for the sea,
-        or if more than 1 % of the sea's energy is above the database's frequencies (with its range).
+        if more than 1 % of the sea's energy is above the database's frequencies (with its range), or if the
+        Froude-Krylov part is to be left out and not known.
         """
-        above = sea.omega > db.omega[-1]
-        left_out = float(0.5 * np.sum(sea.amplitude[above] ** 2) / max(sea.variance, np.finfo(float).tiny))
-        if left_out > _LEFT_OUT:
-            raise ModelError(
-                f"hydrodynamic database '{db.name}': its frequencies {db.omega[0]:.3g} to {db.omega[-1]:.3g} rad/s "
-                f"leave out {100.0 * left_out:.3g} % of the waves' energy, which reaches {sea.omega[above].max():.3g} "
-                f"rad/s (1 % is allowed); extend the database, or cut the waves at {db.omega[-1]:.3g} rad/s "
-                "(IrregularWaves: omega_max)"
-            )
-        X = _transfer(
-            db, np.minimum(sea.omega, db.omega[-1]), sea.heading - heading, np.where(above, 0.0, sea.amplitude),
-            body, froude_krylov,
-        )  # fmt: skip
-        X[above] = 0.0
-        # the database's phases refer to the origin it was drawn in, where the reference point need not be
-        c, s = math.cos(heading), math.sin(heading)
-        x, y = db.reference_point[body, :2]
-        x0, y0 = position[0] - c * x + s * y, position[1] - s * x - c * y
+        X, left_out = transfer_functions(db, sea, body, froude_krylov)
+        table = at_headings(db, X, sea.heading - heading, sea.amplitude)
+        x0, y0 = origin(db, position, heading, body)
         phase = sea.phase - sea.wave_number * (x0 * np.cos(sea.heading) + y0 * np.sin(sea.heading))
-        coefficients = X * (sea.amplitude * np.exp(1j * phase))[:, None]
+        coefficients = table * (sea.amplitude * np.exp(1j * phase))[:, None]
         return cls(sea.omega.copy(), coefficients, float(ramp), left_out)
 
     def force(self, t: float) -> Array:
@@ -106,21 +93,56 @@ class Excitation:
         return out
 
 
-def _transfer(db: HydroDatabase, omega: Array, heading: Array, amplitude: Array, body: int,
-              froude_krylov: bool) -> NDArray[np.complex128]:  # fmt: skip
-    """X (n, 6) for waves of omega (n,), heading relative to the body (n,) and amplitude (n,), the last as weights."""
+def origin(db: HydroDatabase, position: ArrayLike, heading: float, body: int = 0) -> tuple[float, float]:
+    """World x, y [m] of the origin of the database's frame, which its phases refer to, for the reference point of
+    `body` at `position` (x, y) and `heading`, rad."""
+    c, s = math.cos(heading), math.sin(heading)
+    x, y = db.reference_point[body, :2]
+    px, py = np.asarray(position, dtype=np.float64)[:2]
+    return float(px - c * x + s * y), float(py - s * x - c * y)
+
+
+def transfer_functions(
+    db: HydroDatabase, sea: Realisation, body: int = 0, froude_krylov: bool = True
+) -> tuple[NDArray[np.complex128], float]:
+    """X (n, m, 6) of `body` for each of the sea's n waves at each of the database's m headings, zero above its
+    frequencies, and the share of the sea's energy there. Raises ModelError as `Excitation.from_database`."""
     from scipy.interpolate import CubicSpline
 
-    rows = slice(6 * body, 6 * body + 6)
-    X = db.excitation[..., rows]
-    long_wave = db.hydrostatic_stiffness[rows, 6 * body + 2]
+    above = sea.omega > db.omega[-1]
+    left_out = float(0.5 * np.sum(sea.amplitude[above] ** 2) / max(sea.variance, np.finfo(float).tiny))
+    if left_out > _LEFT_OUT:
+        raise ModelError(
+            f"hydrodynamic database '{db.name}': its frequencies {db.omega[0]:.3g} to {db.omega[-1]:.3g} rad/s "
+            f"leave out {100.0 * left_out:.3g} % of the waves' energy, which reaches {sea.omega[above].max():.3g} "
+            f"rad/s (1 % is allowed); extend the database, or cut the waves at {db.omega[-1]:.3g} rad/s "
+            "(IrregularWaves: omega_max)"
+        )
+    mine = slice(6 * body, 6 * body + 6)
+    long_wave = np.broadcast_to(db.hydrostatic_stiffness[mine, 6 * body + 2], (1, db.headings.size, 6))
+    X = db.excitation[:, :, mine]
     if not froude_krylov:
-        assert db.froude_krylov is not None
-        X, long_wave = X - db.froude_krylov[..., rows], 0.0 * long_wave
-    long_wave = np.broadcast_to(long_wave, (1, db.headings.size, 6))
-    known = CubicSpline(np.concatenate([[0.0], db.omega]), np.concatenate([long_wave, X]))(omega)
+        if db.froude_krylov is None:
+            raise ModelError(
+                f"hydrodynamic database '{db.name}': it does not say which part of the excitation is Froude-Krylov, "
+                "which a hull of its own replaces; give froude_krylov (WAMIT: the .3sc file, Capytaine: both parts)"
+            )
+        X = X - db.froude_krylov[:, :, mine]
+        long_wave = np.zeros_like(long_wave)  # waves far longer than the hull are not disturbed by it
+    known = CubicSpline(np.concatenate([[0.0], db.omega]), np.concatenate([long_wave, X]))(
+        np.minimum(sea.omega, db.omega[-1])
+    )
+    known[above] = 0.0
+    return np.asarray(known), left_out
+
+
+def at_headings(db: HydroDatabase, known: NDArray[Any], heading: Array, amplitude: Array) -> NDArray[Any]:
+    """known (n, m, 6), of n waves at the database's m headings, at their own heading (n,) relative to the body.
+
+    Raises ModelError if the headings do not cover the circle or are too coarse for waves of this amplitude (n,).
+    """
     apart = np.abs((heading[:, None] - db.headings + np.pi) % (2.0 * np.pi) - np.pi)
-    at, each = apart.argmin(axis=1), np.arange(omega.size)
+    at, each = apart.argmin(axis=1), np.arange(heading.size)
     worst = apart[each, at].argmax()
     if apart[worst, at[worst]] < _SAME:
         return np.asarray(known[each, at])

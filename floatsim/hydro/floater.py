@@ -41,11 +41,13 @@ from floatsim.errors import ModelError, nearest
 from floatsim.frames import Array, cross, turn_quaternion, unit
 from floatsim.hydro.database import HydroDatabase, require_match
 from floatsim.hydro.excitation import Excitation
-from floatsim.hydro.radiation import RadiationHistory, RadiationKernel
-from floatsim.hydro.state_space import StateSpace, StateSpaceHistory
+from floatsim.hydro.qtf import QTF
+from floatsim.hydro.radiation import RadiationKernel
+from floatsim.hydro.state_space import StateSpace
+from floatsim.hydro.wave_loads import WaveLoads
 from floatsim.jit import kernel
 from floatsim.laws.angle import half_angle_squared
-from floatsim.parts.part import Part
+from floatsim.parts.part import Output, Part
 from floatsim.sea.dispersion import wave_number
 from floatsim.sea.waves import Realisation
 
@@ -64,7 +66,9 @@ class PotentialFlow(Description):
     quadratic_damping, linear_stiffness: 6 x 6, rows surge..yaw, added to the potential-flow terms.
     radiation: "convolution" with `memory` [s] of past on a grid of `memory_grid` [s], or "state_space", exponentials
     fitted to the database. hull: a mesh whose nonlinear Froude-Krylov and hydrostatic pressure replaces the linear
-    ones (`floatsim.Hull`).
+    ones (`floatsim.Hull`). drift: second-order wave forces, "newman" (from the database's mean drift), a QTF
+    (`read_wamit_qtf`), or a tuple of a difference and a sum. slow_position: wave loads at the body's low-passed
+    horizontal position and heading instead of the drawing position.
     """
 
     database: Any
@@ -77,6 +81,8 @@ class PotentialFlow(Description):
     memory: Positive = 60.0
     memory_grid: Positive = 0.1
     hull: Any = None
+    drift: Any = None
+    slow_position: bool = False
 
     def model_post_init(self, context: Any) -> None:
         if not isinstance(self.database, HydroDatabase | str | Path):
@@ -99,6 +105,12 @@ class PotentialFlow(Description):
                 f"PotentialFlow: memory of {self.memory:g} s on a grid of {self.memory_grid:g} s has more than "
                 f"{MAX_MEMORY} intervals; 60 s and 0.1 to 0.2 s are usual"
             )
+        for item in self.drifts:
+            if not (isinstance(item, QTF) or isinstance(item, str) and item == "newman"):
+                raise ModelError(
+                    f"PotentialFlow: drift: got {item!r}; 'newman', a QTF (read_wamit_qtf), a tuple of a difference "
+                    "and a sum, or None is allowed"
+                )
         if self.hull is not None and not hasattr(self.hull, "attached_to"):
             raise ModelError(f"PotentialFlow: hull: got {self.hull!r}; a floatsim.Hull or None is allowed")
         if self.hull is not None and self.data.froude_krylov is None:
@@ -112,6 +124,13 @@ class PotentialFlow(Description):
     def data(self) -> HydroDatabase:
         """The database itself."""
         return self.database if isinstance(self.database, HydroDatabase) else HydroDatabase.read(self.database)
+
+    @property
+    def drifts(self) -> tuple[Any, ...]:
+        """Second-order forces, none, one or several."""
+        if isinstance(self.drift, tuple | list):
+            return tuple(self.drift)
+        return () if self.drift is None else (self.drift,)
 
     @cached_property
     def index(self) -> int:
@@ -129,6 +148,7 @@ class PotentialFlow(Description):
     def files(self) -> list[str | Path]:
         """Files its numbers come from."""
         own = [] if isinstance(self.database, HydroDatabase) else [self.database]
+        own += [item.file for item in self.drifts if isinstance(item, QTF) and item.file is not None]
         return own + (list(self.hull.files()) if self.hull is not None else [])
 
     @property
@@ -283,6 +303,15 @@ def _tilt_and_yaw(q, rates):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _horizontal(x, q, where, P, b, L, out):  # type: ignore[no-untyped-def]
+    """out (3,): world x, y and yaw from the drawing heading of floater b; L (3, 3): scratch."""
+    p, k = where[b, 0], where[b, 1]
+    back = (P[b, 5], -P[b, 6], -P[b, 7], -P[b, 8])
+    out[0], out[1] = x[p, 0], x[p, 1]
+    out[2] = _tilt_and_yaw(_product((q[k, 0], q[k, 1], q[k, 2], q[k, 3]), back), L)[2]
+
+
+@kernel
 def _product(a, b):  # type: ignore[no-untyped-def]
     """Quaternion product a b."""
     return (
@@ -430,7 +459,8 @@ class FloaterBatch:
             [(b, o) for group in self.groups for b in _range(group) for o in _range(group)], dtype=np.int64
         )
         self.coupling = np.zeros((len(self.pairs), 2, 6, 6))
-        self.excitations: list[Excitation | None] = []
+        self.waves: list[WaveLoads | None] = []
+        self.drift = np.zeros((n, 6))  # second-order forces during the step
         waves = None if sea.waves is None else sea.waves.realise(sea.depth, gravity)
         for b, part in enumerate(self.parts):
             body, flow = part.body, part.flow
@@ -441,7 +471,9 @@ class FloaterBatch:
                 require_match(
                     db, depth=sea.depth, reference_point=point, density=sea.density, gravity=gravity, body=k
                 )
-                self.excitations.append(None if waves is None else self._excitation(part, waves, sea.wave_ramp))
+                self.waves.append(None if waves is None else WaveLoads(
+                    db, waves, body.position, heading, sea.wave_ramp, body=k, froude_krylov=flow.hull is None,
+                    drift=flow.drifts, slow_position=flow.slow_position))  # fmt: skip
             except ModelError as error:
                 raise ModelError([f"Body '{body.name}': {line}" for line in error.problems]) from None
             self.matrices[b, 0] = flow.linear_stiffness
@@ -502,22 +534,51 @@ class FloaterBatch:
             pieces.append(table.reshape(N, 6, N, 6).swapaxes(1, 2).reshape(N * N, 36))
         self._slots = np.ascontiguousarray(np.concatenate(pieces), dtype=np.int64)
 
-    def start(self, state: Any) -> list[RadiationHistory | StateSpaceHistory]:
-        """Memories of floaters that have always been at rest, one for every group."""
-        return [kernel.history(state.t) for kernel in self.kernels]
+    def start(self, state: Any) -> list[Any]:
+        """Memories of floaters that have always been at rest: one for every group, then the slow positions."""
+        return [kernel.history(state.t) for kernel in self.kernels] + [
+            waves.filter(state.t, self._pose(b, state.x, state.q)) for b, waves in self._slow()
+        ]
 
-    def begin(self, w: Any, history: list[RadiationHistory | StateSpaceHistory], t: float, state: Any) -> None:
-        """What is constant during the step to t: wave forces and the past's share of the memory."""
+    def _slow(self) -> list[tuple[int, WaveLoads]]:
+        """Floaters whose waves are felt at their slow position."""
+        return [(b, waves) for b, waves in enumerate(self.waves) if waves is not None and waves.slow_position]
+
+    def _pose(self, b: int, x: Array, q: Array) -> Array:
+        """World x, y [m] and yaw from the drawing heading [rad] of a floater, (3,)."""
+        out = np.empty(3)
+        _horizontal(x, q, self.where, self.P, b, self._L[b], out)
+        return out
+
+    def _ahead(self, b: int, t: float, state: Any) -> Array:
+        """The pose (3,) at time t if accelerations stay."""
+        p, k = self.where[b]
+        s, i = t - state.t, (3 * p, 3 * p + 1, 3 * (len(state.x) + k) + 2)
+        out = self._pose(b, state.x, state.q)
+        for n in range(3):
+            out[n] += s * (state.v[i[n]] + 0.5 * s * state.a[i[n]])
+        return out
+
+    def begin(self, w: Any, history: list[Any], t: float, state: Any) -> None:
+        """What is constant during the step to t: wave forces and the past's share of the memory. In statics the mean
+        drift, at the heading of the floater if that is followed."""
         if w.still:
-            self.external[:] = 0.0
             self.coupling[:, 1] = 0.0
+            for b, waves in enumerate(self.waves):
+                yaw = self._pose(b, state.x, state.q)[2] if waves is not None and waves.slow_position else 0.0
+                self.external[b] = 0.0 if waves is None else waves.mean_force(yaw)
             return
-        for group, memory in zip(self.groups, history, strict=True):
+        for group, memory in zip(self.groups, history, strict=False):
             self.external[group.members] = memory.prepare(t).reshape(-1, 6)
             self._couple(group, 1, memory.tangent)
-        for b, excitation in enumerate(self.excitations):
-            if excitation is not None:
-                self.external[b] += excitation.force(t)
+        slow = {b: memory.prepare(t, self._ahead(b, t, state))
+                for (b, _), memory in zip(self._slow(), history[len(self.groups) :], strict=True)}  # fmt: skip
+        for b, waves in enumerate(self.waves):
+            if waves is not None and waves.linear:
+                self.external[b] += waves.force(t)
+            elif waves is not None:
+                first, self.drift[b] = waves.forces(t, slow.get(b))
+                self.external[b] += first + self.drift[b]
 
     def add(self, w: Any) -> None:
         floater_loads(w.x, w.q, w.v, w.a, w.u, w.c, self.where, self.P, self.matrices, self.pairs, self.coupling,
@@ -559,10 +620,35 @@ class FloaterBatch:
                     raise ModelError([f"Body '{part.body.name}': {line}" for line in error.problems]) from None
         return self._unknowns(n_point), F
 
-    def commit(self, history: list[RadiationHistory | StateSpaceHistory], w: Any) -> None:
-        """Take the accepted velocities into the memories."""
-        for group, memory in zip(self.groups, history, strict=True):
+    def commit(self, history: list[Any], w: Any) -> None:
+        """Take the accepted velocities and positions into the memories."""
+        for group, memory in zip(self.groups, history, strict=False):
             memory.commit(w.t, self._Y[1, group.members].reshape(-1))
+        for (b, _), memory in zip(self._slow(), history[len(self.groups) :], strict=True):
+            memory.commit(w.t, self._pose(b, w.x, w.q))
+
+    def outputs(self) -> list[Output]:
+        """Second-order forces of the floaters that have them."""
+        return [
+            Output(f"{name}_drift_{what}", f"second-order wave {what} on {name}", unit, ("xyz",))
+            for name in (part.body.name for part, waves in zip(self.parts, self.waves, strict=True)
+                         if waves is not None and part.flow.drifts)
+            for what, unit in (("force", "N"), ("moment", "N m"))
+        ]  # fmt: skip
+
+    def measure(self, w: Any, out: Array) -> None:
+        """Of the step last begun."""
+        at = 0
+        for part, waves, f, (co, si) in zip(self.parts, self.waves, self.drift, self.P[:, :2], strict=True):
+            if waves is not None and part.flow.drifts:
+                for h in (0, 3):
+                    out[at : at + 3] = co * f[h] - si * f[h + 1], si * f[h] + co * f[h + 1], f[h + 2]
+                    at += 3
+
+    def cautions(self) -> list[str]:
+        """What the second-order forces leave out."""
+        return [f"Body '{part.body.name}': {line}" for part, waves in zip(self.parts, self.waves, strict=True)
+                if waves is not None for line in waves.messages]  # fmt: skip
 
     def notes(self) -> list[str]:
         """Per group how well its radiation memory gives back the database, and a database of deep water in less."""

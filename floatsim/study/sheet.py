@@ -122,6 +122,7 @@ def cautions(system: System) -> list[str]:
     floaters = [part for part in model.parts if isinstance(part, Body) and part.water_loads]
     if model.sea.waves is not None and not floaters and not len(system.wet_points):
         lines.append("the sea has waves, but there is no line and no body with hydrodynamics: they act on nothing")
+    lines += [line for batch in system.batches if isinstance(batch, FloaterBatch) for line in batch.cautions()]
     if floaters:
         with contextlib.suppress(SolveFailed):  # whoever needs the equilibrium will say so
             lines += [f"body '{sheet.name}' {line}" for sheet in body_sheets(system) for line in sheet.warnings]
