@@ -64,6 +64,7 @@ from floatsim.solve.modes import Mode, natural_modes
 from floatsim.solve.scheme import Scheme, generalised_alpha, hht, newmark
 from floatsim.solve.static import StaticReport, solve_static
 from floatsim.solve.step import Stepper, StepReport, step
+from floatsim.study.frequency import FrequencyResponse, frequency_response
 from floatsim.study.lazy_wave import diameter_from_weights, section_lengths, sizing
 from floatsim.study.moordyn import MoorDynImport, read_moordyn
 from floatsim.study.power import capture_width, mean_power, wave_power
@@ -79,13 +80,14 @@ __all__ = [
     "Bretschneider", "capture_width", "CaseError", "Catenary", "check_database", "Clamp", "CombinedWaves",
     "CompressionOnly", "Coulomb", "Current", "CurrentTable", "Cylindrical", "decay_test", "DecayTest",
     "diameter_from_weights", "Disc", "ElevationSeries", "EndStop", "Engineering", "Expected", "FloatsimError",
-    "FocusedWave", "ForceTable", "generalised_alpha", "hht", "Hinge", "Hull", "Hydraulic", "HydroDatabase",
-    "IrregularWaves", "Jonswap", "Line", "Linear", "Lock", "mean_power", "Member", "Mode", "Model", "ModelError",
-    "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark", "Nodes", "OchiHubble", "Piece",
-    "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine", "Polynomial", "PotentialFlow", "PowerLaw",
-    "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_moordyn", "read_wamit", "read_wamit_qtf",
-    "RegularWave", "Rod", "Run", "Scheme", "Sea", "Seabed", "Section", "section_lengths", "simulate", "sizing",
-    "Slider", "solve_static", "SolveFailed", "SpectrumTable", "Spring", "State", "StaticDynamic", "StaticReport",
-    "step", "Stepper", "StepReport", "Straight", "System", "TautMooring", "TensionOnly", "TensionTable",
-    "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power", "WaveComponents", "Weld", "WhiteNoise",
+    "FocusedWave", "ForceTable", "frequency_response", "FrequencyResponse", "generalised_alpha", "hht", "Hinge",
+    "Hull", "Hydraulic", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Linear", "Lock", "mean_power",
+    "Member", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark",
+    "Nodes", "OchiHubble", "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine", "Polynomial",
+    "PotentialFlow", "PowerLaw", "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_moordyn",
+    "read_wamit", "read_wamit_qtf", "RegularWave", "Rod", "Run", "Scheme", "Sea", "Seabed", "Section",
+    "section_lengths", "simulate", "sizing", "Slider", "solve_static", "SolveFailed", "SpectrumTable", "Spring",
+    "State", "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TautMooring",
+    "TensionOnly", "TensionTable", "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power",
+    "WaveComponents", "Weld", "WhiteNoise",
 ]  # fmt: skip

@@ -1,0 +1,364 @@
+"""Frequency domain: the small motions of the same system about its static equilibrium in waves of one frequency.
+
+    (-w^2 (M + A(w)) + i w (C + B(w)) + K) xi + G^T lam = X(w),        G xi = 0
+
+M, C, K and G are those of the time domain at the equilibrium, moorings, cables, joints and PTOs included, with A, B
+and X of whatever part has them. Amplitudes are complex, per metre of wave, time factor e^{+i w t}, phases about a
+crest at the world's origin. Any channel of a run has a response: the channel is differentiated along the solution.
+
+In a sea (a spectrum) drag and whatever else depends on velocities in a nonlinear way is linearised stochastically:
+C = E[df/dv] over the Gaussian velocities of the response itself, which for one component with B |v| v is
+sqrt(8/pi) sigma B v (Roberts & Spanos 1990, Random Vibration and Statistical Linearization, section 5.3). The
+expectation is a mean over SAMPLES quasi-random states; the response is found by repetition until its velocities
+stay. Without a spectrum C is that of the state at rest, and drag does not damp.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floatsim.errors import CaseError, SolveFailed
+from floatsim.frames import Array, turn_quaternion
+from floatsim.model import Model
+from floatsim.sea.dispersion import wave_number
+from floatsim.sea.kinematics import exact
+from floatsim.sea.waves import Realisation
+from floatsim.solve.linear import LinearSolver
+from floatsim.solve.static import solve_static
+from floatsim.study.channels import Sampler
+from floatsim.study.simulate import as_system
+from floatsim.system.state import State, Work
+from floatsim.system.system import System
+
+Complex = NDArray[np.complex128]
+
+SAMPLES = 1024  # states the damping is averaged over; a power of two
+LINE_SAMPLES = 64  # the same for the drag of waves on lines
+MAX_ROUNDS = 50
+_SETTLED = 1e-3  # of the largest standard deviation of velocities, its change from round to round
+_SMALL = 1e-4  # m, amplitude of the wave that channels are differentiated with
+_RANGE = (0.05, 3.0, 0.05)  # rad/s, where no database says better
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse:
+    """Responses to waves of one heading. Make it with `frequency_response`.
+
+    omega (n,) rad/s; heading_deg; density (n,) m2 s/rad of the sea, or None; motion (n, n_dof) complex: displacements
+    in the system's velocity unknowns (rotations as small turns), per metre; multipliers (n, n_con) N/m; state: the
+    equilibrium.
+    """
+
+    omega: Array
+    heading_deg: float
+    density: Array | None
+    motion: Complex
+    multipliers: Complex
+    state: State
+    sampler: Sampler = field(repr=False)
+    rounds: int = 0
+
+    def rao(self, channel: str) -> Complex:
+        """Response of an output channel (n, ...) per metre of wave amplitude, as a run would show it in small waves.
+
+        Raises CaseError for a channel that is not there.
+        """
+        rows = self._rows
+        return self.sampler.column(rows.real, channel) + 1j * self.sampler.column(rows.imag, channel)
+
+    def spectrum(self, channel: str) -> Array:
+        """One-sided spectrum (n, ...) of a channel in the sea, its unit squared s/rad. CaseError without a sea."""
+        if self.density is None:
+            raise CaseError("frequency_response: spectra need a sea; give spectrum=Jonswap(hs=..., tp=...)")
+        rao = self.rao(channel)
+        return np.abs(rao) ** 2 * self.density.reshape(-1, *[1] * (rao.ndim - 1))
+
+    def std(self, channel: str) -> Any:
+        """Standard deviation of a channel in the sea, its shape without the frequencies. CaseError without a sea."""
+        return np.sqrt(np.trapezoid(self.spectrum(channel), self.omega, axis=0))
+
+    @cached_property
+    def _rows(self) -> Complex:
+        """Every channel's response, differentiated along the solution."""
+        system, rows = self.sampler.system, np.zeros((len(self.omega), self.sampler.width), dtype=complex)
+        w = system.work()
+        for k, omega in enumerate(self.omega):
+            # a quarter of a period earlier the real part of the motion is the imaginary part of the amplitude
+            for turn in (1.0, -1j):
+                ahead, back = (
+                    self._sample(w, turn * sign * _SMALL * self.motion[k], turn * sign * _SMALL * self.multipliers[k],
+                                 omega) for sign in (1.0, -1.0)
+                )  # fmt: skip
+                rows[k] += (1.0 if turn == 1.0 else 1j) * (ahead - back) / (2.0 * _SMALL)
+        for channel in self.sampler.channels:
+            if channel.name == "wave_elevation":
+                rows[:, self.sampler.columns(channel.name)] = 1.0
+        return rows
+
+    def _sample(self, w: Work, xi: Complex, lam: Complex, omega: float) -> Array:
+        system, state = self.sampler.system, self.state
+        system.load(w, state)
+        _displace(system, w, xi.real)
+        w.v[:] = (1j * omega * xi).real
+        w.a[:] = (-(omega**2) * xi).real
+        w.lam += lam.real
+        w.still = True
+        w.c[6] = 0.0
+        system.begin(w, state, state.t)
+        system.evaluate(w)
+        return self.sampler.sample(w)
+
+    def dataset(self) -> Any:
+        """All responses as an xarray Dataset: amplitude and phase [rad] over omega, standard deviations with a sea."""
+        import xarray
+
+        coordinates: dict[str, Any] = {"omega": ("omega", self.omega, {"units": "rad/s", "long_name": "frequency"})}
+        coordinates |= {c.name: (c.dim, np.asarray(c.values), c.attributes) for c in self.sampler.coordinates}
+        data: dict[str, Any] = {}
+        rows = self._rows
+        for c in self.sampler.channels:
+            if c.dtype != "float" or c.name == "step_size":
+                continue
+            part = self.sampler.column(rows.real, c.name) + 1j * self.sampler.column(rows.imag, c.name)
+            unit = {"units": f"({c.units})/m", **({"units_dof": c.units_dof} if c.units_dof else {})}
+            text = c.long_name
+            for kind, value, units in (("amplitude", np.abs(part), unit), ("phase", np.angle(part), {"units": "rad"})):
+                data[f"{c.name}_{kind}"] = (("omega", *c.dims), value, {**units, "long_name": f"{kind}, {text}"})
+            if self.density is not None:
+                weight = self.density.reshape(-1, *[1] * (part.ndim - 1))
+                value = np.sqrt(np.trapezoid(np.abs(part) ** 2 * weight, self.omega, axis=0))
+                data[f"{c.name}_std"] = (c.dims, value, {**c.attributes, "long_name": f"standard deviation, {text}"})
+        return xarray.Dataset(data, coordinates, {"heading_deg": self.heading_deg})
+
+
+def frequency_response(
+    model: Model | System,
+    omega: Sequence[float] | Array | None = None,
+    *,
+    heading_deg: float = 0.0,
+    spectrum: Any = None,
+    channels: str | Sequence[str] = "all",
+    state: State | None = None,
+) -> FrequencyResponse:
+    """Responses at the frequencies `omega` [rad/s] (default: those of the hydrodynamic database, from 0.05 rad/s) to
+    waves towards `heading_deg`, about the static equilibrium or `state`.
+
+    spectrum: a sea (any object with density(omega)), for stochastic linearisation, spectra and standard deviations.
+    The waves of the model's own sea are not looked at.
+
+    Raises CaseError for bad input, SolveFailed if there is no equilibrium, if the system is singular at a frequency,
+    or if the linearisation does not settle.
+    """
+    system = as_system(model)
+    w0 = _frequencies(system, omega)
+    if not math.isfinite(heading_deg):
+        raise CaseError(f"frequency_response: heading_deg is {heading_deg!r}; must be a finite number")
+    density = None
+    if spectrum is not None:
+        if not callable(getattr(spectrum, "density", None)):
+            raise CaseError(f"frequency_response: spectrum: got {spectrum!r}; must have density(omega)")
+        density = np.asarray(spectrum.density(w0), dtype=float)
+        if density.shape != w0.shape or not np.all(np.isfinite(density)) or density.min() < 0.0:
+            raise CaseError(f"frequency_response: density(omega) of {spectrum!r} must be finite and not negative")
+    sampler = Sampler(system, channels)
+    if state is None:
+        state, _ = solve_static(system)
+    linear = _Linear(system, state, w0, math.radians(heading_deg))
+    C = linear.damping(lambda w: None)
+    motion, lam = linear.solve(C)
+    rounds = 0
+    if density is not None:
+        gauss = _gaussian(len(w0))
+        weight = np.sqrt(np.gradient(w0) * density)
+        before = np.zeros(0)
+        for rounds in range(1, MAX_ROUNDS + 1):
+            # velocities of the response: rows of samples, in the system's unknowns
+            V = (gauss * weight) @ (1j * w0[:, None] * motion)
+            sigma = np.sqrt(np.sum((weight[:, None] * np.abs(w0[:, None] * motion)) ** 2, axis=0))
+            if rounds > 1 and np.abs(sigma - before).max() <= _SETTLED * sigma.max():
+                break
+            before = sigma
+            linear.wave_drag(gauss * weight, V.real)
+            C = linear.mean_damping(gauss * weight, V.real)
+            motion, lam = linear.solve(C)
+        else:
+            raise SolveFailed(f"frequency_response: the linearised drag has not settled in {MAX_ROUNDS} rounds")
+    return FrequencyResponse(w0, float(heading_deg), density, motion, lam, state, sampler, rounds)
+
+
+def _frequencies(system: System, omega: Any) -> Array:
+    if omega is None:
+        found = [batch.frequencies() for batch in system.batches if hasattr(batch, "frequencies")]
+        low, high, step = _RANGE
+        omega = found[0] if found else np.arange(low, high + 0.5 * step, step)
+    w0 = np.atleast_1d(np.asarray(omega, dtype=float))
+    if w0.ndim != 1 or len(w0) < 2 or not np.all(np.isfinite(w0)) or w0.min() <= 0.0 or np.diff(w0).min() <= 0.0:
+        raise CaseError("frequency_response: omega must be at least two positive frequencies [rad/s], increasing")
+    return w0
+
+
+def _gaussian(n: int) -> Complex:
+    """Complex numbers (SAMPLES, n), real and imaginary parts standard normal: quasi-random, always the same."""
+    from scipy.special import ndtri
+    from scipy.stats import qmc
+
+    share = qmc.Sobol(2 * n, scramble=True, seed=1).random(SAMPLES)
+    normal = ndtri(np.clip(share, 1e-12, 1.0 - 1e-12))
+    return np.asarray(normal[:, :n] + 1j * normal[:, n:])
+
+
+def _displace(system: System, w: Work, d: Array) -> None:
+    """Move the configuration in w by small displacements d (n_dof,)."""
+    n = 3 * (system.n_point + 1)
+    w.x += d[:n].reshape(-1, 3)
+    for k, phi in enumerate(d[n:].reshape(-1, 3)):
+        w.q[k] = turn_quaternion(tuple(phi), tuple(w.q[k]))
+    system.orient(w)
+
+
+class _Linear:
+    """The linear system at an equilibrium, solved frequency by frequency."""
+
+    def __init__(self, system: System, state: State, omega: Array, heading: float) -> None:
+        self.system, self.state, self.omega, self.heading = system, state, omega, heading
+        self.linear = LinearSolver(system.layout)
+        self.work = w = system.work()
+        self._rest(w)
+        self.M = self._matrix((1.0, 0.0, 0.0, 0.0))
+        stiff = self._matrix((0.0, 0.0, 1.0, 0.0))
+        scale = np.abs(stiff.diagonal()[: system.n_dof])
+        self.cG = float(np.median(scale[scale > 0.0])) if (scale > 0.0).any() else 1.0
+        self.K = self._matrix((0.0, 0.0, 1.0, self.cG))
+        self.n_dof = system.n_dof
+        # the ground's rows are empty: they are left out
+        used = np.zeros(system.n, dtype=bool)
+        used[np.unique(system.layout.rows)] = True
+        self.free = np.flatnonzero(used)
+        self.water = [_unit_wave(system, w, omega_k, heading) for omega_k in omega]
+        self.drag = np.zeros((len(omega), system.n_dof), dtype=complex)
+        self._inertia = np.array([self._wave_load(w, U, dU) for U, dU in self.water]).reshape(len(omega), -1)
+
+    def _rest(self, w: Work) -> None:
+        """The equilibrium in the scratch, without waves."""
+        self.system.load(w, self.state)
+        w.v[:] = 0.0
+        w.a[:] = 0.0
+        w.still = True
+        self.system.begin(w, self.state, self.state.t)
+
+    def _matrix(self, c: tuple[float, float, float, float]) -> Any:
+        w = self.work
+        w.c[:4] = c
+        w.c[6] = 1.0
+        self.system.evaluate(w)
+        return self.linear.matrix(w.A)
+
+    def damping(self, move: Callable[[Work], None]) -> Any:
+        """C at the equilibrium, with what `move` does to the velocities in the scratch."""
+        move(self.work)
+        return self._matrix((0.0, 1.0, 0.0, 0.0))
+
+    def mean_damping(self, phases: Complex, V: Array) -> Any:
+        """E[C] over velocities V (samples, n_dof) and the water's, which goes with them."""
+        w, wet, u = self.work, self.system.wet_points, self.work.u.copy()
+        U = np.array([water[0] for water in self.water]).reshape(len(self.omega), -1)
+        total = np.zeros_like(w.A)
+        w.c[:4] = (0.0, 1.0, 0.0, 0.0)
+        w.c[6] = 1.0
+        for s, v in enumerate(V):
+            w.v[:] = v
+            if len(wet):
+                w.u[wet] = u[wet] + (phases[s] @ U).real.reshape(-1, 3)
+            self.system.evaluate(w)
+            total += w.A
+        w.v[:] = 0.0
+        w.u[:] = u
+        return self.linear.matrix(total / len(V))
+
+    def wave_drag(self, phases: Complex, V: Array) -> None:
+        """E[df/du] U: force of the waves' velocities on lines, per metre."""
+        w, wet, u = self.work, self.system.wet_points, self.work.u.copy()
+        if not len(wet):
+            return
+        U = np.array([water[0] for water in self.water]).reshape(len(self.omega), -1)
+        total = np.zeros_like(self.drag)
+        pick = slice(0, len(V), max(1, len(V) // LINE_SAMPLES))
+        for p, v in zip(phases[pick], V[pick]):
+            w.v[:] = v
+            w.u[wet] = u[wet] + (p @ U).real.reshape(-1, 3)
+            total += np.array([self._wave_load(w, water[0], np.zeros_like(water[1])) for water in self.water])
+        w.v[:] = 0.0
+        w.u[:] = u
+        self.drag = total / len(V[pick])
+
+    def _wave_load(self, w: Work, U: Complex, dU: Complex) -> Complex:
+        """Force (n_dof,) on lines of a wave whose water moves with U, dU (wet, 3) per metre: -dr/d(amplitude)."""
+        system, wet = self.system, self.system.wet_points
+        force = np.zeros(system.n_dof, dtype=complex)
+        if not len(wet):
+            return force
+        u, du = w.u[wet].copy(), w.du[wet].copy()
+        w.c[6] = 0.0
+        for turn, part in ((1.0, 1.0), (-1j, 1j)):
+            sides = []
+            for sign in (_SMALL, -_SMALL):
+                w.u[wet], w.du[wet] = u + sign * (turn * U).real, du + sign * (turn * dU).real
+                system.evaluate(w)
+                sides.append(w.r[: system.n_dof].copy())
+            force -= part * (sides[0] - sides[1]) / (2.0 * _SMALL)
+        w.u[wet], w.du[wet] = u, du
+        return force
+
+    def solve(self, C: Any) -> tuple[Complex, Complex]:
+        """Motions (n, n_dof) and multipliers (n, n_con) per metre at all frequencies."""
+        from scipy.sparse import coo_matrix
+        from scipy.sparse.linalg import splu
+
+        system, n = self.system, self.system.n
+        out: Complex = np.zeros((len(self.omega), n), dtype=np.complex128)
+        for k, omega in enumerate(self.omega):
+            rows, cols, values = [], [], []
+            force = np.zeros(n, dtype=complex)
+            force[: self.n_dof] = self._inertia[k] + self.drag[k]
+            for batch in system.batches:
+                if hasattr(batch, "frequency_terms"):
+                    for dofs, mass, damping in zip(*batch.frequency_terms(omega, system.n_point), strict=True):
+                        block = -(omega**2) * mass + 1j * omega * damping
+                        rows.append(np.repeat(dofs, len(dofs)))
+                        cols.append(np.tile(dofs, len(dofs)))
+                        values.append(block.ravel())
+                if hasattr(batch, "wave_force"):
+                    for dofs, load in zip(*batch.wave_force(omega, self.heading, system.n_point), strict=True):
+                        np.add.at(force, dofs, load)
+            S = (self.K - omega**2 * self.M + 1j * omega * C).tocsc()
+            if rows:
+                S = S + coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(cols))), (n, n))
+            S = S.tocsc()[self.free][:, self.free]
+            try:
+                out[k, self.free] = splu(S.tocsc()).solve(force[self.free])
+            except RuntimeError:
+                raise SolveFailed(
+                    f"frequency_response: the system is singular at {omega:g} rad/s: something moves freely without "
+                    "inertia or damping there"
+                ) from None
+        return out[:, : self.n_dof], np.asarray(self.cG * out[:, self.n_dof :], dtype=np.complex128)
+
+
+def _unit_wave(system: System, w: Work, omega: float, heading: float) -> tuple[Complex, Complex]:
+    """Water's velocity and acceleration (wet, 3) at the equilibrium, complex, per metre of wave amplitude."""
+    sea, wet = system.model.sea, system.wet_points
+    if not len(wet):
+        return np.zeros((0, 3), dtype=complex), np.zeros((0, 3), dtype=complex)
+    one = np.ones(1)
+    k = wave_number(omega * one, sea.depth, system.model.gravity)
+    wave = Realisation(one, omega * one, k, heading * one, 0.0 * one, sea.depth, math.inf)
+    u0, du0, _ = exact(wave, w.x[wet], 0.0)
+    u1, du1, _ = exact(wave, w.x[wet], -0.5 * math.pi / omega)
+    return np.asarray(u0 + 1j * u1, dtype=np.complex128), np.asarray(du0 + 1j * du1, dtype=np.complex128)

@@ -1,0 +1,123 @@
+"""The frequency domain against a floater's own solution, closed forms and the time domain."""
+
+import numpy as np
+import pytest
+from shipped import HYDRO, load
+from test_floater import DEPTH, MOORING, RHO, floater, frequency_domain, wave_damping
+
+import floatsim as fs
+
+ROW = "frequency domain: linear floater against its own solution"
+ROW_TIME = "frequency domain against time domain in small waves"
+ROW_DRAG = "frequency domain: stochastic linearisation"
+
+
+@pytest.fixture(scope="module")
+def db() -> fs.HydroDatabase:
+    return fs.HydroDatabase.read(HYDRO)
+
+
+def moored(db, **flow):  # type: ignore[no-untyped-def]
+    body = floater(db, linear_stiffness=MOORING, linear_damping=wave_damping(db), **flow)
+    return fs.Model(parts=[body], sea=fs.Sea(depth=DEPTH, density=RHO))
+
+
+def test_linear_floater(db, record):
+    """6 x 6 by hand from the tables, at the database's own frequencies, in oblique waves."""
+    omega = np.array([0.2, 0.35, 0.6, 0.9, 1.2])
+    response = fs.frequency_response(moored(db), omega, heading_deg=30.0)
+    got = response.rao("floater_position")
+    want = np.array([frequency_domain(db, w, 30.0) for w in omega])
+    record(ROW, "largest error of a RAO over the largest of its kind", _error(got, want), 1e-6)
+    velocity = response.rao("floater_velocity")
+    np.testing.assert_allclose(velocity, 1j * omega[:, None] * want, rtol=1e-4, atol=1e-6 * np.abs(velocity).max())
+    assert response.rao("wave_elevation") == pytest.approx(np.ones(5))
+
+
+def _error(got, want):  # type: ignore[no-untyped-def]
+    worst = 0.0
+    for kind in (slice(0, 3), slice(3, 6)):
+        worst = max(worst, float(np.abs(got[:, kind] - want[:, kind]).max() / np.abs(want[:, kind]).max()))
+    return worst
+
+
+def test_quadratic_damping_of_heave(db, record):
+    """B |v| v is sqrt(8/pi) sigma B v in Gaussian motion, sigma the response's own: the fixed point by hand."""
+    omega, B = np.arange(0.1, 2.01, 0.05), 3e7
+    spectrum = fs.Jonswap(hs=8.0, tp=20.0)
+    S, dw = spectrum.density(omega), 0.05
+    model = moored(db, quadratic_damping=np.diag([0.0, 0.0, B, 0.0, 0.0, 0.0]).tolist())
+    response = fs.frequency_response(model, omega, spectrum=spectrum)
+    A, b, X = db.added_mass[1:40, 2, 2], db.radiation_damping[1:40, 2, 2], db.excitation[1:40, :, 2]
+    X = X[:, int(np.argmin(np.abs(db.headings)))]
+    C, own = db.hydrostatic_stiffness[2, 2] + MOORING[2, 2], wave_damping(db)[2, 2]
+    sigma = 0.0
+    for _ in range(200):
+        damping = b + own + np.sqrt(8.0 / np.pi) * sigma * B
+        z = X / (-(omega**2) * (RHO * db.volume[0] + A) + 1j * omega * damping + C)
+        sigma = float(np.sqrt(np.sum(S * np.abs(omega * z) ** 2) * dw))
+    undamped = fs.frequency_response(moored(db), omega, spectrum=spectrum).std("floater_velocity")[2]
+    assert sigma < 0.8 * undamped  # the drag matters
+    got = float(np.sqrt(np.sum(S * np.abs(response.rao("floater_velocity")[:, 2]) ** 2) * dw))
+    error = 100.0 * abs(got / sigma - 1.0)
+    record(ROW_DRAG, "heave velocity with B|v|v against the fixed point by hand: error", error, 1.0, "%")
+
+
+def test_standard_deviation_is_the_integral(db):
+    omega = np.arange(0.1, 2.01, 0.1)
+    sea = fs.Jonswap(hs=2.0, tp=10.0)
+    response = fs.frequency_response(moored(db), omega, spectrum=sea, channels=["floater_position", "wave_elevation"])
+    S = sea.density(omega)
+    assert response.std("wave_elevation") == pytest.approx(np.sqrt(np.trapezoid(S, omega)), rel=1e-12)
+    heave = np.abs(response.rao("floater_position")[:, 2]) ** 2 * S
+    assert response.std("floater_position")[2] == pytest.approx(np.sqrt(np.trapezoid(heave, omega)), rel=1e-12)
+    data = response.dataset()
+    assert data.floater_position_amplitude.dims == ("omega", "dof")
+    assert data.floater_position_std.values[2] == pytest.approx(response.std("floater_position")[2])
+
+
+@pytest.mark.slow
+def test_volturnus_in_small_waves(record):
+    """Five waves of 2 cm whose periods divide 200 s, after a ramp so long that nothing rings. They keep clear of
+    0.81 rad/s, where a mode of the chains resonates: only drag damps it, which is not linear however small the wave."""
+    volturnus = load("volturnus_s")
+    count, last = np.array([16, 20, 24, 34, 44]), 200.0
+    omega, a = 2.0 * np.pi * count / last, 0.01
+    phase = np.array([0.0, 100.0, 200.0, 300.0, 50.0])
+    waves = fs.WaveComponents(amplitude=[a] * 5, omega=omega.tolist(), phase_deg=phase.tolist())
+    model = volturnus.build(waves=waves)
+    sea = model.sea.model_copy(update={"wave_ramp": 500.0})
+    names = ["platform_position", "mooring_1_end_b_force"]
+    run = fs.simulate(model.model_copy(update={"sea": sea}), 900.0, 0.1, channels=names, tolerance=1e-9)
+    response = fs.frequency_response(volturnus.build(), omega, channels=names)
+    kept = run.time > 900.0 - last + 1e-6
+    t = run.time[kept]
+    for name, quantity in zip(names, ("motion", "fairlead force")):
+        y = run.series(name)[kept]
+        basis = np.exp(-1j * (np.outer(omega, t) + np.radians(phase)[:, None]))
+        got = 2.0 / len(t) * basis @ (y - y.mean(axis=0)) / a
+        want = response.rao(name)
+        for kind in [slice(0, 3), slice(3, 6)][: want.shape[1] // 3]:
+            large = np.abs(want[:, kind]).max()
+            significant = np.abs(want[:, kind]) > 0.05 * large
+            error = np.abs(got[:, kind] / want[:, kind] - 1.0)[significant].max()
+            of = quantity if want.shape[1] == 3 else ("translations", "rotations")[kind.start // 3]
+            record(ROW_TIME, f"VolturnUS-S, {of}, complex amplitude: largest error", 100.0 * error, 1.0, "%")
+
+
+BAD = {
+    "one frequency": (lambda m: fs.frequency_response(m, [0.3]), "at least two positive frequencies"),
+    "falling": (lambda m: fs.frequency_response(m, [0.3, 0.2]), "increasing"),
+    "heading": (lambda m: fs.frequency_response(m, [0.3, 0.4], heading_deg=np.nan), "heading_deg is nan"),
+    "spectrum": (lambda m: fs.frequency_response(m, [0.3, 0.4], spectrum=3.0), "must have density"),
+    "model": (lambda m: fs.frequency_response(3), "must be a floatsim.Model"),
+    "channel": (lambda m: fs.frequency_response(m, [0.3, 0.4]).rao("heave"), "there is no 'heave'"),
+    "no sea": (lambda m: fs.frequency_response(m, [0.3, 0.4]).std("floater_position"), "spectra need a sea"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input(db, case):
+    call, message = BAD[case]
+    with pytest.raises(fs.CaseError, match=message):
+        call(moored(db))
