@@ -20,15 +20,14 @@ model (WAMIT, about 5000 flat panels) are at the same stage.
 from __future__ import annotations
 
 import argparse
-import hashlib
-import logging
 import math
-import time
 from pathlib import Path
 
 import numpy as np
 
-from floatsim.hydro.database import DOF_NAMES, HydroDatabase, check_database
+from floatsim.hydro.compute import Symmetry, WetBody, compute_database, write_checked
+from floatsim.hydro.database import HydroDatabase
+from floatsim.hydro.meshing import Hydrostatics, Mesh, grid, hydrostatics, join, mesh_problems
 
 CENTRE_RADIUS, OUTER_RADIUS, OUTER_DISTANCE = 5.0, 6.25, 51.75
 HALF_WIDTH = OUTER_RADIUS  # of a pontoon: as wide as the outer columns
@@ -36,7 +35,7 @@ KEEL, PONTOON_TOP = -20.0, -13.0
 DENSITY, GRAVITY = 1025.0, 9.81
 REFERENCE_POINT = (0.0, 0.0, 0.0)
 OMEGA = np.array([0.05 * k for k in range(1, 61)])
-SOLVED_HEADINGS = np.radians(np.arange(0.0, 61.0, 5.0))
+HEADINGS = np.radians(np.arange(-180.0, 180.0, 5.0))
 
 Plan = tuple[np.ndarray, np.ndarray]  # vertices (p, 2) or (p, 3), faces (q, 4)
 
@@ -50,23 +49,6 @@ def exact_geometry() -> tuple[float, float, float, float]:
     moment = math.pi / 4.0 * (CENTRE_RADIUS**4 + 3.0 * OUTER_RADIUS**4) + 1.5 * outer * OUTER_DISTANCE**2
     height = (lower * 0.5 * (KEEL + PONTOON_TOP) + upper * 0.5 * PONTOON_TOP) / (lower + upper)
     return lower + upper, waterplane, moment, height
-
-
-def grid(points: np.ndarray) -> Plan:
-    """Cells of a structured block of points (a, b, dim), counter-clockwise if b turns left of a."""
-    a, b = points.shape[:2]
-    index = np.arange(a * b).reshape(a, b)
-    faces = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1)
-    return points.reshape(a * b, -1), faces.reshape(-1, 4)
-
-
-def join(*parts: Plan) -> Plan:
-    """One mesh with coincident vertices merged."""
-    offset = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
-    vertices = np.concatenate([vertices for vertices, _ in parts])
-    faces = np.concatenate([faces + shift for (_, faces), shift in zip(parts, offset[:-1], strict=True)])
-    _, first, inverse = np.unique(np.round(vertices, 6), axis=0, return_index=True, return_inverse=True)
-    return vertices[first], inverse.reshape(-1)[faces]
 
 
 def between(start: np.ndarray, end: np.ndarray, count: int) -> np.ndarray:
@@ -155,20 +137,10 @@ def six_images(sector: Plan) -> Plan:
     return join(*parts)
 
 
-def triangles(mesh: Plan) -> np.ndarray:
-    vertices, faces = mesh
-    return np.concatenate([vertices[faces[:, [0, 1, 2]]], vertices[faces[:, [0, 2, 3]]]])
-
-
 def mesh_geometry(mesh: Plan) -> tuple[float, float, float]:
     """Volume, waterplane area and height of the centre of buoyancy of an open hull (closed by z = 0)."""
-    tri = triangles(mesh)
-    area = 0.5 * np.cross(tri[:, 1] - tri[:, 0], tri[:, 2] - tri[:, 0])
-    z = tri[..., 2]
-    mean = z.mean(axis=1)
-    mean_square = (np.sum(z * z, axis=1) + np.sum(z, axis=1) ** 2) / 12.0
-    volume = float(area[:, 2] @ mean)
-    return volume, float(-np.sum(area[:, 2])), float(0.5 * area[:, 2] @ mean_square) / volume
+    whole = hydrostatics(mesh)
+    return whole.volume, whole.waterplane, float(whole.centre[2])
 
 
 def check_mesh(mesh: Plan) -> None:
@@ -184,174 +156,44 @@ def check_mesh(mesh: Plan) -> None:
         print(f"{label:24s} mesh {value:12.5f}   exact {exact:12.5f}")
         assert abs(value - exact) < 1e-8 * abs(exact), label
     vertices, faces = mesh
-    edges: dict[tuple[int, int], int] = {}
-    for face in faces:
-        for a, b in zip(face, np.roll(face, -1), strict=True):
-            if a != b:
-                assert (int(a), int(b)) not in edges, "two panels use an edge in the same direction"
-                edges[int(a), int(b)] = 1
-    free = [a for a, b in edges if (b, a) not in edges and min(vertices[a, 2], vertices[b, 2]) < -1e-6]
-    assert not free, f"{len(free)} free edges below the waterline"
+    problems = mesh_problems(Mesh(vertices, faces))
+    assert not problems, "; ".join(problems)
     print(f"panels {len(faces)}, vertices {len(vertices)}, watertight below the waterline")
 
 
-def solve(hull: Plan, lid: Plan, depth: float, omegas: np.ndarray) -> dict[str, np.ndarray]:
-    """Capytaine's numbers, in its own time factor e^{-i w t}: A, B (n, 6, 6), A_inf (6, 6), X (n, 13, 6)."""
-    import capytaine as cpt
-    from capytaine.tools.block_circulant_matrices import NestedBlockCirculantMatrix
-
-    logging.getLogger("capytaine").setLevel(logging.ERROR)
-
-    def symmetric(sector: Plan) -> cpt.RotationSymmetricMesh:
-        half = cpt.Mesh(vertices=sector[0], faces=sector[1])
-        return cpt.RotationSymmetricMesh(cpt.ReflectionSymmetricMesh(half, plane="xOz"), n=3)
-
-    body = cpt.FloatingBody(
-        mesh=symmetric(hull),
-        lid_mesh=symmetric(lid),
-        dofs=cpt.rigid_body_dofs(rotation_center=REFERENCE_POINT),
-        name="volturnus_s",
-    )
-    solver = cpt.BEMSolver(method="direct")
-    sea = {"body": body, "water_depth": depth, "rho": DENSITY, "g": GRAVITY}
-
-    def radiation(omega: float) -> tuple[np.ndarray, np.ndarray]:
-        mass, damping = np.zeros((6, 6)), np.zeros((6, 6))
-        for j, dof in enumerate(DOF_NAMES):
-            result = solver.solve(
-                cpt.RadiationProblem(radiating_dof=dof, omega=omega, **sea), keep_details=False
-            )
-            for i, other in enumerate(DOF_NAMES):
-                mass[i, j] = result.added_masses[other]
-                damping[i, j] = result.radiation_dampings[other]
-        return mass, damping
-
-    def excitation(omega: float, heading: float) -> list[complex]:
-        problem = cpt.DiffractionProblem(wave_direction=heading, omega=omega, **sea)
-        diffraction = solver.solve(problem, keep_details=False).forces
-        froude_krylov = cpt.bem.airy_waves.froude_krylov_force(problem)
-        return [diffraction[dof] + froude_krylov[dof] for dof in DOF_NAMES]
-
-    mass, damping, force = [], [], []
-    start = time.monotonic()
-    mass_inf, _ = radiation(math.inf)
-    for count, omega in enumerate(omegas, 1):
-        a, b = radiation(float(omega))
-        mass.append(a)
-        damping.append(b)
-        force.append([excitation(float(omega), float(heading)) for heading in SOLVED_HEADINGS])
-        # this cache of Capytaine 3.0.0 keeps every matrix it has ever seen
-        NestedBlockCirculantMatrix.to_BlockCirculantMatrix.cache_clear()
-        print(f"\r{count}/{len(omegas)} frequencies, {time.monotonic() - start:.0f} s", end="", flush=True)
-    print()
-    return {
-        "added_mass": np.array(mass),
-        "radiation_damping": np.array(damping),
-        "added_mass_inf": mass_inf,
-        "excitation": np.array(force),
-    }
-
-
-def expand(force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Headings every 5 degrees in [-180, 180) and their excitation (n, 72, 6) from those in 0..60 (n, 13, 6).
-
-    A mirrored wave gives the mirrored force, a wave turned by 120 degrees the turned one (D3 symmetry).
-    """
-    mirror = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-    degrees = np.arange(-180, 180, 5)
-    full = np.empty((force.shape[0], degrees.size, 6), dtype=np.complex128)
-    for k, heading in enumerate(degrees):
-        turns = round(heading / 120.0)
-        rest = heading - 120 * turns  # in -60..60
-        solved = force[:, abs(rest) // 5] * (1.0 if rest >= 0 else mirror)
-        cos, sin = math.cos(2.0 * math.pi * turns / 3.0), math.sin(2.0 * math.pi * turns / 3.0)
-        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        full[:, k] = (solved.reshape(-1, 2, 3) @ turn.T).reshape(-1, 6)
-    return np.radians(degrees), full
-
-
-def symmetry_errors(raw: dict[str, np.ndarray]) -> dict[str, float]:
-    """What the panels leave of the exact symmetries, as a share of the diagonal (of the force's peak)."""
-    a, b, x = raw["added_mass"], raw["radiation_damping"], raw["excitation"]
-    peaks = [np.sqrt(np.abs(np.diagonal(c, axis1=1, axis2=2)).max(axis=0)) for c in (a, b)]
-    x_peak = np.abs(x).max(axis=(0, 1))
-    sideways = np.abs(x[:, 0]).max(axis=0) / x_peak  # sway, roll and yaw vanish at heading 0
-    reciprocity = [
-        np.abs(c - c.transpose(0, 2, 1)) / np.outer(p, p) for c, p in zip((a, b), peaks, strict=True)
-    ]
-    return {
-        "symmetry_error_added_mass": float(reciprocity[0].max()),
-        "symmetry_error_radiation_damping": float(reciprocity[1].max()),
-        "symmetry_error_d3_added_mass": float(np.abs(a[:, 1, 1] / a[:, 0, 0] - 1.0).max()),
-        "symmetry_error_d3_excitation": float(sideways[[1, 3, 5]].max()),
-    }
-
-
-def mesh_hash(mesh: Plan) -> str:
-    """SHA-256 of vertices (rounded to a micrometre) and faces."""
-    vertices, faces = mesh
-    rounded = np.round(np.asarray(vertices, dtype="<f8"), 6) + 0.0  # no negative zeros
-    return (
-        "sha256:" + hashlib.sha256(rounded.tobytes() + np.asarray(faces, dtype="<i8").tobytes()).hexdigest()
-    )
-
-
-def hydrostatic_stiffness() -> np.ndarray:
-    """Waterplane + rho g V z_B without weight, about the reference point (axis, z = 0). Exact circles."""
+def exact_hydrostatics() -> Hydrostatics:
+    """About the reference point (axis, z = 0), with exact circles."""
     volume, waterplane, moment, height = exact_geometry()
-    tilt = DENSITY * GRAVITY * (moment + volume * height)
-    return np.diag([0.0, 0.0, DENSITY * GRAVITY * waterplane, tilt, tilt, 0.0])
+    tilt = moment + volume * height
+    stiffness = np.diag([0.0, 0.0, waterplane, tilt, tilt, 0.0])
+    return Hydrostatics(volume, np.array([0.0, 0.0, height]), waterplane, stiffness)
 
 
 def database(size: float, depth: float) -> HydroDatabase:
-    """Mesh, solve and put into floatsim's conventions. Raises AssertionError if a check of the mesh fails."""
-    import capytaine
-
+    """Mesh and solve. Raises AssertionError if a check of the mesh fails or if it is too coarse."""
     hull, lid = sector_mesh(size)
-    vertices, faces = mesh = six_images(hull)
-    check_mesh(mesh)
-    raw = solve(hull, lid, depth, OMEGA)
-    errors = symmetry_errors(raw)
-    for key, error in errors.items():
-        assert error < 0.02, f"{key} is {error:.3g}: the mesh is too coarse"
-    # reciprocity is exact in the continuum; what the panels leave of it is averaged out and reported
-    for key in ("added_mass", "radiation_damping", "added_mass_inf"):
-        raw[key] = 0.5 * (raw[key] + np.swapaxes(raw[key], -1, -2))
-    headings, force = expand(raw["excitation"])
-    volume, _, _, height = exact_geometry()
-
-    return HydroDatabase(
-        name="volturnus_s",
-        omega=OMEGA,
-        added_mass=raw["added_mass"],
-        radiation_damping=raw["radiation_damping"],
-        added_mass_inf=raw["added_mass_inf"],
-        headings=headings,
-        excitation=np.conj(force),  # Capytaine has e^{-i w t}; both measure phase from the origin
-        hydrostatic_stiffness=hydrostatic_stiffness(),
-        volume=np.array(volume),
-        centre_of_buoyancy=np.array([0.0, 0.0, height]),
-        reference_point=np.array(REFERENCE_POINT),
+    check_mesh(six_images(hull))
+    platform = WetBody("volturnus_s", Mesh(*hull), REFERENCE_POINT, Mesh(*lid), exact_hydrostatics())
+    db = compute_database(
+        "volturnus_s",
+        [platform],
+        OMEGA,
+        HEADINGS,
         depth=depth,
         density=DENSITY,
         gravity=GRAVITY,
-        hull_vertices=vertices,
-        hull_faces=faces,
+        symmetry=Symmetry(mirrors=("xOz",), turns=3),
         source={
-            "title": "UMaine VolturnUS-S, first-order potential flow",
             "geometry": "published dimensions, Allen et al., NREL/TP-5000-76773 (2020)",
             "script": Path(__file__).name,
-            "solver": f"Capytaine {capytaine.__version__}",
-            "method": "direct (potential formulation), lid below the waterline, dihedral symmetry D3",
             "panel_size": size,
-            "panels_hull": len(faces),
-            "panels_lid": 6 * len(lid[1]),
             "lid_height": float(lid[0][0, 2]),
-            "mesh_hash": mesh_hash(mesh),
-            "headings_solved": "0 to 60 deg by 5 deg, the others by symmetry",
-            **errors,
         },
+        report=print,
     )
+    for key in ("symmetry_error_added_mass", "symmetry_error_radiation_damping"):
+        assert db.source[key] < 0.02, f"{key} is {db.source[key]:.3g}: the mesh is too coarse"
+    return db
 
 
 def main() -> None:
@@ -360,16 +202,7 @@ def main() -> None:
     parser.add_argument("--depth", type=float, default=200.0, help="water depth in m")
     parser.add_argument("--output", type=Path, default=Path(__file__).with_name("volturnus_s_hydro.nc"))
     options = parser.parse_args()
-    db = database(options.size, options.depth)
-    for key, value in db.source.items():
-        print(f"{key:34s} {value}")
-    findings = check_database(db)
-    for finding in findings:
-        print(f"{finding.severity:8s} {finding.message}")
-    if any(finding.severity == "error" for finding in findings):
-        raise SystemExit("not written: the coefficients are not consistent")
-    db.write(options.output)
-    print(f"{options.output}: {options.output.stat().st_size / 1e6:.3f} MB")
+    write_checked(database(options.size, options.depth), options.output)
 
 
 if __name__ == "__main__":

@@ -576,11 +576,13 @@ def _highest_frequency(db: HydroDatabase) -> Finding:
 
 
 def _frequency_step(db: HydroDatabase) -> Finding:
-    size = float(np.max(np.diff(db.omega, prepend=0.0)))
-    text = f"frequencies at most {size:.3g} rad/s apart: good for a radiation memory of {np.pi / size:.0f} s"
-    return _graded(
-        "frequency step", size, 0.0501, 0.25, text, text + "; 0.05 rad/s or finer is needed for 60 s"
-    )
+    # damping starts flat from zero, so that the first step may be twice as long
+    size = float(max(np.max(np.diff(db.omega)), 0.5 * db.omega[0]))
+    # the memory lasts as long as waves of the body's own length take to leave: 0.05 rad/s for a hull of 20000 m3
+    fine = 0.0835 * float(np.sqrt(db.gravity / np.max(db.volume) ** (1.0 / 3.0)))
+    text = f"frequencies at most {size:.3g} rad/s apart: good for a radiation memory of {np.pi / size:.3g} s"
+    hint = f"; {fine:.2g} rad/s or finer is needed for {np.pi / fine:.3g} s"
+    return _graded("frequency step", size, fine, 5.0 * fine, text, text + hint)
 
 
 def _heading_step(db: HydroDatabase) -> Finding:
