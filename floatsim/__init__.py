@@ -7,10 +7,12 @@ loaded where they are used.
 """
 
 from floatsim.errors import CaseError, FloatsimError, ModelError, SolveFailed
-from floatsim.hydro.database import HydroDatabase, check_database
+from floatsim.hydro.check import check_database
+from floatsim.hydro.database import HydroDatabase
 from floatsim.hydro.floater import PotentialFlow
 from floatsim.hydro.hull import Hull
 from floatsim.hydro.qtf import QTF, read_wamit_qtf
+from floatsim.hydro.read import read_hydro
 from floatsim.hydro.wamit import read_wamit
 from floatsim.joints.ball import Ball
 from floatsim.joints.clamp import Clamp
@@ -84,8 +86,8 @@ __all__ = [
     "Hull", "Hydraulic", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Linear", "Lock", "mean_power",
     "Member", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark",
     "Nodes", "OchiHubble", "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine", "Polynomial",
-    "PotentialFlow", "PowerLaw", "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_moordyn",
-    "read_wamit", "read_wamit_qtf", "RegularWave", "Rod", "Run", "Scheme", "Sea", "Seabed", "Section",
+    "PotentialFlow", "PowerLaw", "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_hydro",
+    "read_moordyn", "read_wamit", "read_wamit_qtf", "RegularWave", "Rod", "Run", "Scheme", "Sea", "Seabed", "Section",
     "section_lengths", "simulate", "sizing", "Slider", "solve_static", "SolveFailed", "SpectrumTable", "Spring",
     "State", "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TautMooring",
     "TensionOnly", "TensionTable", "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power",

@@ -18,12 +18,24 @@ app = typer.Typer(
     help="Dynamics of floating wind turbines, wave-energy converters and their moorings and power cables.",
 )  # fmt: skip
 
+hydro = typer.Typer(
+    no_args_is_help=True,
+    help="Hydrodynamic databases of floaters: check, draw, convert. FILE is netCDF of floatsim or Capytaine, HDF5 of "
+    "BEMIO, a folder of Nemoh or HAMS, or name.1 of WAMIT.",
+)  # fmt: skip
+app.add_typer(hydro, name="hydro")
+
 Script = Annotated[
     str, typer.Argument(metavar="MODEL.py", help="Python file with build(**parameters), or a MoorDyn file.")
 ]
 Parameters = Annotated[list[str], typer.Option("-p", metavar="NAME=VALUE", help="Parameter of build(); repeatable.")]
 MODES_LIMIT = 2000  # unknowns up to which `static` looks at stability: dense eigenvalues
 OUTPUT_HELP = "netCDF file to write."
+Coefficients = Annotated[str, typer.Argument(metavar="FILE", help="File or folder; the format is recognised.")]
+Lacking = Annotated[
+    list[str],
+    typer.Option("-p", metavar="NAME=VALUE", help="What the format does not contain, as depth=200; repeatable."),
+]
 
 
 def _console() -> Any:
@@ -32,7 +44,7 @@ def _console() -> Any:
     return Console(highlight=False, markup=False, soft_wrap=not sys.stdout.isatty())
 
 
-def _table(title: str, columns: list[str], rows: list[list[str]]) -> Any:
+def _table(title: str, columns: list[str], rows: list[list[str]], prose: bool = False) -> Any:
     from rich.box import SIMPLE
     from rich.table import Table
     from rich.text import Text
@@ -40,7 +52,7 @@ def _table(title: str, columns: list[str], rows: list[list[str]]) -> Any:
     # plain text: [m] is a unit, not markup
     table = Table(title=Text(title), title_justify="left", box=SIMPLE, pad_edge=False)
     for k, column in enumerate(columns):
-        table.add_column(Text(column), justify="left" if k == 0 else "right", overflow="fold")
+        table.add_column(Text(column), justify="left" if k == 0 or prose else "right", overflow="fold")
     for row in rows:
         table.add_row(*map(Text, row))
     return table
@@ -296,6 +308,57 @@ def plot(
     start, end = between or (None, None)
     plot_file(file, target, line, start, end)
     typer.echo(f"wrote {target}")
+
+
+def _hydro(file: str, p: list[str]) -> Any:
+    from floatsim.hydro.read import read_hydro
+    from floatsim.study.script import parse_parameters
+
+    return read_hydro(file, **parse_parameters(p))
+
+
+@hydro.command("check")
+def hydro_check(file: Coefficients, p: Lacking = []) -> None:  # noqa: B006
+    """Does a database make sense? Symmetry, energy, long waves, Kramers-Kronig, frequencies and headings."""
+    from floatsim.hydro.check import check_database
+    from floatsim.study.hydro_report import check_table, summary_table, verdict
+
+    db, console = _hydro(file, p), _console()
+    findings = check_database(db)
+    for title, columns, rows in (summary_table(db), check_table(db, findings)):
+        console.print(_table(title, columns, rows, prose=True))
+    console.print(verdict(findings))
+    if any(finding.severity == "error" for finding in findings):
+        raise ModelError(f"'{file}' has errors, see above")
+
+
+@hydro.command("plot")
+def hydro_plot(
+    file: Coefficients, p: Lacking = [],  # noqa: B006
+    output: Annotated[str | None, typer.Option("-o", help="Picture; default: FILE.png.")] = None,
+) -> None:  # fmt: skip
+    """Draw added mass, damping, excitation and radiation memory of every body."""
+    from floatsim.study.hydro_report import plot_database
+
+    target = output or f"{str(file).rstrip('/')}.png"
+    plot_database(_hydro(file, p), target)
+    typer.echo(f"wrote {target}")
+
+
+@hydro.command("convert")
+def hydro_convert(
+    file: Coefficients, output: Annotated[str, typer.Option("-o", help=OUTPUT_HELP)], p: Lacking = []  # noqa: B006
+) -> None:
+    """Write a database as floatsim's netCDF, in its conventions. What the checks find is said, but does not stop it."""
+    from floatsim.hydro.check import check_database
+
+    _writable(output)
+    db = _hydro(file, p)
+    for finding in check_database(db):
+        if finding.severity != "ok":
+            typer.echo(f"warning: {finding.quantity}: {finding.message}", err=True)
+    db.write(output)
+    typer.echo(f"wrote {output}")
 
 
 def _say_run(console: Any, result: Any) -> None:

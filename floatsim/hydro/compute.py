@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 
 from floatsim.errors import ModelError
 from floatsim.hydro import meshing
-from floatsim.hydro.database import DOF_NAMES, HydroDatabase, check_database
+from floatsim.hydro.check import check_database
+from floatsim.hydro.database import DOF_NAMES, HydroDatabase
 from floatsim.hydro.meshing import Hydrostatics, Mesh
 
 Array = NDArray[np.float64]

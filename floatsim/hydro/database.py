@@ -22,7 +22,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +66,7 @@ class HydroDatabase:
     Of one body a single volume and points (3,) will do.
 
     Raises ModelError, all problems at once, for shapes that do not fit and unordered axes. Whether
-    the numbers make sense is the business of `check_database`.
+    the numbers make sense is the business of `check.check_database`.
     """
 
     name: str
@@ -331,57 +331,7 @@ def _contents(file: Any, label: str) -> dict[str, Any]:
     }
 
 
-# --- does it make sense? ------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One check of a database: what was looked at, what was measured, what is allowed, in words."""
-
-    severity: Literal["ok", "warning", "error"]
-    quantity: str
-    measured: float
-    allowed: float
-    message: str
-
-
-def check_database(db: HydroDatabase) -> tuple[Finding, ...]:
-    """Physical consistency of a database; every check gives a finding, also when it is passed.
-
-    - finite numbers (if not, nothing else is looked at),
-    - symmetry of A, B, A_inf and C, between bodies too; entries are scaled by the diagonal,
-    - B positive semi-definite: waves carry energy away,
-    - A(w) - A_inf = 2/pi P int B(s) / (s^2 - w^2) ds (Ogilvie 1964), over w <= w_max / 2,
-    - heave excitation at the lowest frequency against rho g A_wp - w^2 (rho V + A33): a small body
-      in long waves feels the moving water (Newman, Marine Hydrodynamics, 1977),
-    - frequencies and headings cover what time-domain forces need.
-    """
-    bad = [item.name for item in fields(db) if _not_finite(getattr(db, item.name))]
-    if bad:
-        return (
-            Finding("error", "finite numbers", len(bad), 0, f"NaN or infinite values in {', '.join(bad)}"),
-        )
-    findings = [Finding("ok", "finite numbers", 0, 0, "no NaN, no infinite value")]
-    mass, damping = _mass_scale(db), _damping_scale(db)
-    stiffness = np.sqrt(_per_dof(db, db.density * db.gravity * db.volume ** (2.0 / 3.0)))
-    # buoyancy beside the reference point turns with the yaw: C46 = -rho g V x_B, C56 = -rho g V y_B stand alone
-    tilting = db.hydrostatic_stiffness.copy()
-    for yaw in range(5, len(tilting), 6):
-        tilting[yaw - 2 : yaw, yaw] = tilting[yaw, yaw - 2 : yaw]
-    for label, matrix, scale in (
-        ("added mass", db.added_mass, mass),
-        ("radiation damping", db.radiation_damping, damping),
-        ("added mass at infinite frequency", db.added_mass_inf, mass),
-        ("hydrostatic stiffness", tilting, stiffness),
-    ):
-        findings.append(_symmetry(db, label, matrix, scale))
-    findings.append(_positive_damping(db, damping))
-    findings.append(_infinite_frequency(db, mass))
-    findings += [_long_wave_heave(db, k) for k in range(len(db.bodies))]
-    findings.append(_highest_frequency(db))
-    findings.append(_frequency_step(db))
-    findings.append(_heading_step(db))
-    return tuple(findings)
+# --- beside it -----------------------------------------------------------------------------------
 
 
 def require_match(
@@ -425,9 +375,11 @@ def require_match(
 
 def deep_enough(db: HydroDatabase, depth: float) -> bool:
     """Whether water of `depth` [m] is deep for waves of the frequencies at which the bodies radiate most: tanh(k h) is
-    above 0.99 at the lowest of the peaks of the diagonal of B, k = w^2/g."""
-    share = np.abs(np.diagonal(db.radiation_damping, axis1=1, axis2=2))
-    k = db.omega[share.argmax(axis=0)[share.max(axis=0) > 0.01 * _damping_scale(db) ** 2].min()] ** 2 / db.gravity
+    above 0.99 at the lowest peak of the damping of surge, sway and heave (those of at least 1 % of the largest),
+    k = w^2/g."""
+    own = np.abs(np.diagonal(db.radiation_damping, axis1=1, axis2=2))[:, np.arange(6 * len(db.bodies)) % 6 < 3]
+    counts = own.max(axis=0) >= 0.01 * own.max()
+    k = db.omega[own.argmax(axis=0)[counts].min()] ** 2 / db.gravity
     return bool(np.tanh(k * depth) > 0.99)
 
 
@@ -451,143 +403,9 @@ def added_mass_from_damping(omega: NDArray[np.float64], damping: NDArray[np.floa
     return (2.0 / np.pi * integral).reshape(damping.shape)
 
 
-def _not_finite(value: Any) -> bool:
-    return isinstance(value, np.ndarray) and not bool(np.all(np.isfinite(value)))
-
-
 def _point(p: NDArray[np.float64]) -> str:
     return f"({p[0]:g}, {p[1]:g}, {p[2]:g})"
 
 
-def _diagonal_max(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.abs(np.diagonal(matrices, axis1=-2, axis2=-1)).max(axis=0)
-
-
-def _mass_scale(db: HydroDatabase) -> NDArray[np.float64]:
-    """(d,) square roots of typical diagonal entries; never zero (yaw of a body of revolution)."""
-    floor = 1e-3 * _per_dof(db, db.density * db.volume)
-    return np.sqrt(np.maximum(_diagonal_max(db.added_mass), floor))
-
-
-def _per_dof(db: HydroDatabase, size: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(d,) from one number per body (N,): as it is for translations, times a length squared for rotations."""
-    rotations = size * db.volume ** (2.0 / 3.0)
-    return np.stack([size, size, size, rotations, rotations, rotations], axis=1).ravel()
-
-
-def _damping_scale(db: HydroDatabase) -> NDArray[np.float64]:
-    floor = 1e-4 * _mass_scale(db) ** 2 * db.omega[-1]
-    return np.sqrt(np.maximum(_diagonal_max(db.radiation_damping), floor))
-
-
-def _dof(db: HydroDatabase, i: int) -> str:
-    return (f"{db.bodies[i // 6]} " if len(db.bodies) > 1 else "") + DOF_NAMES[i % 6].lower()
-
-
-def _pair(db: HydroDatabase, i: int, j: int) -> str:
-    return f"{_dof(db, i)}-{_dof(db, j)}"
-
-
 def _bodies(count: int) -> str:
     return "1 body" if count == 1 else f"{count} bodies"
-
-
-def _graded(quantity: str, measured: float, warn: float, fail: float, good: str, bad: str) -> Finding:
-    """`measured` should be small: ok up to `warn`, a warning up to `fail`, an error beyond."""
-    severity: Literal["ok", "warning", "error"] = (
-        "ok" if measured <= warn else "warning" if measured <= fail else "error"
-    )
-    return Finding(severity, quantity, float(measured), warn, good if severity == "ok" else bad)
-
-
-def _symmetry(db: HydroDatabase, label: str, matrix: NDArray[np.float64], scale: NDArray[np.float64]) -> Finding:
-    error = np.abs(matrix - np.swapaxes(matrix, -1, -2)) / np.outer(scale, scale)
-    error = error.reshape(-1, *error.shape[-2:]).max(axis=0)
-    i, j = (int(k) for k in np.unravel_index(np.argmax(error), error.shape))
-    size = error[i, j]
-    good = f"{label} is symmetric within {100 * size:.2g} % of its diagonal"
-    bad = (
-        f"{label}: {_pair(db, i, j)} and {_pair(db, j, i)} differ by {100 * size:.2g} % of the diagonal; "
-        "a coarse mesh, rows and columns mixed up, or moments about another point"
-    )
-    return _graded(f"symmetry of {label}", size, 0.03, 0.15, good, bad)
-
-
-def _positive_damping(db: HydroDatabase, scale: NDArray[np.float64]) -> Finding:
-    b = db.radiation_damping / np.outer(scale, scale)
-    lowest = np.linalg.eigvalsh(0.5 * (b + np.swapaxes(b, -1, -2)))[:, 0]
-    k = int(np.argmin(lowest))
-    size = max(0.0, -float(lowest[k]))
-    good = f"radiation takes energy out at every frequency (worst {100 * size:.2g} % of the peak)"
-    bad = (
-        f"at {db.omega[k]:.3g} rad/s radiation damping feeds energy in, {100 * size:.2g} % of the peak: "
-        "irregular frequencies (mesh the lid) or a coarse mesh"
-    )
-    return _graded("positive damping", size, 0.01, 0.05, good, bad)
-
-
-def _infinite_frequency(db: HydroDatabase, scale: NDArray[np.float64]) -> Finding:
-    implied = db.added_mass - added_mass_from_damping(db.omega, db.radiation_damping)
-    low = db.omega <= 0.5 * db.omega[-1]
-    error = np.sqrt(np.mean((implied[low] - db.added_mass_inf) ** 2, axis=0)) / np.outer(scale, scale)
-    i, j = (int(k) for k in np.unravel_index(np.argmax(error), error.shape))
-    size = error[i, j]
-    text = (
-        f"A_inf {_pair(db, i, j)} is {db.added_mass_inf[i, j]:.4g}, A(w) and B(w) imply "
-        f"{implied[low, i, j].mean():.4g} (rms difference {100 * size:.2g} % of the diagonal)"
-    )
-    hint = "; A_inf of another case, frequencies that end too early or are too far apart"
-    return _graded("added mass at infinite frequency", size, 0.02, 0.1, text, text + hint)
-
-
-def _long_wave_heave(db: HydroDatabase, body: int) -> Finding:
-    label = "long-wave heave excitation" + (f" of {db.bodies[body]}" if len(db.bodies) > 1 else "")
-    heave = 6 * body + 2
-    w, stiffness = db.omega[0], db.hydrostatic_stiffness[heave, heave]
-    if stiffness < 1e-3 * db.density * db.gravity * db.volume[body] ** (2.0 / 3.0):
-        return Finding("ok", label, 0.0, 0.0, "not looked at: the body has no waterplane")
-    # in long waves all bodies' water moves alike: the added mass of one is that of its row
-    inertia = w**2 * (db.density * db.volume[body] + db.added_mass[0, heave, 2::6].sum())
-    allowed = 0.02 + 0.5 * inertia / stiffness
-    if allowed > 0.25:
-        text = f"not looked at: at the lowest frequency, {w:.3g} rad/s, waves are not long enough"
-        return Finding("warning", label, 0.0, 0.25, text)
-    error = np.abs(db.excitation[0, :, heave] - (stiffness - inertia)) / stiffness
-    k = int(np.argmax(error))
-    got, size = db.excitation[0, k, heave], float(error[k])
-    text = (
-        f"at {w:.3g} rad/s, heading {np.degrees(db.headings[k]):.0f} deg, X3 is {got.real:.4g} "
-        f"{got.imag:+.2g}i N/m, the waterplane says {stiffness - inertia:.4g}"
-    )
-    hint = "; check the scaling by rho g, the time sign, and where phases are measured from"
-    return _graded(label, size, allowed, 2.0 * allowed, text, text + hint)
-
-
-def _highest_frequency(db: HydroDatabase) -> Finding:
-    share = _diagonal_max(db.radiation_damping[-1:]) / _damping_scale(db) ** 2
-    i = int(np.argmax(share))
-    size = float(share[i])
-    text = (
-        f"at the highest frequency, {db.omega[-1]:.3g} rad/s, {_dof(db, i)} damping is down to "
-        f"{100 * size:.2g} % of its peak"
-    )
-    hint = "; the radiation memory will ring: compute higher frequencies"
-    return _graded("highest frequency", size, 0.1, 0.5, text, text + hint)
-
-
-def _frequency_step(db: HydroDatabase) -> Finding:
-    # damping starts flat from zero, so that the first step may be twice as long
-    size = float(max(np.max(np.diff(db.omega)), 0.5 * db.omega[0]))
-    # the memory lasts as long as waves of the body's own length take to leave: 0.05 rad/s for a hull of 20000 m3
-    fine = 0.0835 * float(np.sqrt(db.gravity / np.max(db.volume) ** (1.0 / 3.0)))
-    text = f"frequencies at most {size:.3g} rad/s apart: good for a radiation memory of {np.pi / size:.3g} s"
-    hint = f"; {fine:.2g} rad/s or finer is needed for {np.pi / fine:.3g} s"
-    return _graded("frequency step", size, fine, 5.0 * fine, text, text + hint)
-
-
-def _heading_step(db: HydroDatabase) -> Finding:
-    around = np.diff(db.headings, append=db.headings[0] + 2.0 * np.pi)
-    size = float(np.degrees(np.max(around)))
-    text = f"headings at most {size:.3g} deg apart around the circle"
-    hint = "; between headings further apart than 10 deg excitation cannot be interpolated"
-    return _graded("heading step", size, 10.01, 360.0, text, text + hint)

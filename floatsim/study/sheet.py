@@ -9,7 +9,8 @@ import numpy as np
 
 from floatsim.errors import SolveFailed
 from floatsim.frames import Array
-from floatsim.hydro.database import Finding, HydroDatabase, check_database
+from floatsim.hydro.check import Finding, check_database
+from floatsim.hydro.database import HydroDatabase
 from floatsim.hydro.floater import FloaterBatch, PotentialFlow, shared_by
 from floatsim.hydro.hull import Hull
 from floatsim.model import Model

@@ -16,13 +16,14 @@ import pytest
 import xarray as xr
 
 from floatsim.errors import ModelError
+from floatsim.hydro.check import check_database
 from floatsim.hydro.database import (
     HydroDatabase,
     added_mass_from_damping,
-    check_database,
     require_match,
 )
 from floatsim.hydro.meshing import mesh_hash
+from floatsim.sea.dispersion import wave_number
 
 MODELS = Path(__file__).parents[2] / "models"
 SHIPPED = MODELS / "volturnus_s_hydro.nc"
@@ -54,7 +55,11 @@ def consistent(**changes: Any) -> HydroDatabase:
     headings = np.radians(np.arange(-180.0, 180.0, 10.0))
     force = np.zeros((omega.size, headings.size, 6), dtype=complex)
     force[:, :, 2] = (stiffness[2, 2] - omega**2 * (rho * volume + mass[:, 2, 2]))[:, None]
-    force[:, :, 0] = 1j * (omega**2)[:, None] * np.cos(headings) * 1e7
+    # a body in long waves is pushed by (rho V + A) times the water's acceleration at its centre of buoyancy
+    k = wave_number(omega, 200.0, g)
+    water = 1j * g * k * np.cosh(k * 190.0) / np.cosh(k * 200.0)
+    for i, along in enumerate((np.cos(headings), np.sin(headings))):
+        force[:, :, i] = (water * (rho * volume + mass[:, i, i]))[:, None] * along
     arguments: dict[str, Any] = {
         "name": "made_up",
         "omega": omega,
@@ -136,7 +141,8 @@ def severities(db: HydroDatabase) -> dict[str, str]:
 
 def test_consistent_database_passes_everything() -> None:
     found = severities(consistent())
-    assert len(found) == 11
+    assert found.pop("radiated energy") != "ok"  # waves of these kernels are unknown: see test_hydro_check.py
+    assert len(found) == 13
     assert set(found.values()) == {"ok"}, found
 
 
@@ -460,11 +466,17 @@ def two_bodies() -> HydroDatabase:
     """The consistent body twice, 100 m apart and without influence on each other."""
     one = consistent()
     twice = np.eye(2)
+    alone = np.diag(1.0 / (1.0 + np.diagonal(one.added_mass[0])[:2] / (one.density * one.volume[0])))
+    incident = one.excitation.copy()  # without the added mass
+    incident[:, :, :2] @= alone
+    lag = 50.0 * wave_number(one.omega, one.depth, one.gravity)[:, None] * np.sin(one.headings)
+    places = np.repeat(np.exp(1j * np.stack([lag, -lag], axis=2)), 6, axis=2)  # 50 m to either side
     return replace(
         one, name="pair", bodies=("left", "right"),
         added_mass=np.kron(twice, one.added_mass), radiation_damping=np.kron(twice, one.radiation_damping),
         added_mass_inf=np.kron(twice, one.added_mass_inf), added_mass_zero=None,
-        excitation=np.tile(one.excitation, (1, 1, 2)), froude_krylov=np.tile(0.5 * one.excitation, (1, 1, 2)),
+        excitation=np.tile(one.excitation, (1, 1, 2)) * places,
+        froude_krylov=np.tile(incident, (1, 1, 2)) * places,
         mean_drift=np.tile(one.excitation.real, (1, 1, 2)),
         hydrostatic_stiffness=np.kron(twice, one.hydrostatic_stiffness), volume=np.tile(one.volume, 2),
         centre_of_buoyancy=one.centre_of_buoyancy + [[0.0, -50.0, 0.0], [0.0, 50.0, 0.0]],
@@ -481,7 +493,7 @@ def test_two_bodies(tmp_path: Path) -> None:
         np.testing.assert_allclose(getattr(back, name), getattr(db, name), rtol=1e-6, atol=1e-6)
     with xr.open_dataset(tmp_path / "pair.nc") as file:
         assert str(file.radiating_dof.values[8]) == "right__Heave"
-    assert [finding.severity for finding in check_database(db)].count("error") == 0
+    assert {finding.quantity for finding in check_database(db) if finding.severity == "error"} == {"radiated energy"}
     assert db.index("right") == db.index(1) == 1
     with pytest.raises(ModelError, match="there is no body 'middle'; it has 'left', 'right'"):
         db.index("middle")

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from floatsim.hydro.database import HydroDatabase, check_database
+from floatsim.hydro.check import check_database
+from floatsim.hydro.database import HydroDatabase
 from floatsim.hydro.meshing import triangles
 
 MODELS = Path(__file__).parents[2] / "models"
