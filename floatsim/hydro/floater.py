@@ -589,6 +589,10 @@ class FloaterBatch:
         co, si = self.P[group.first, :2]
         return np.kron(np.eye(2 * len(group.parts)), [[co, -si, 0.0], [si, co, 0.0], [0.0, 0.0, 1.0]])
 
+    def frequencies(self) -> Array:
+        """Frequencies of the first database [rad/s]."""
+        return self.groups[0].db.omega
+
     def frequency_terms(self, omega: float, n_point: int) -> tuple[list[Index], list[Array], list[Array]]:
         """For every group of N floaters its unknowns (6N,), A(w) - A_inf and B(w) (6N, 6N) in world axes, at omega
         [rad/s]."""

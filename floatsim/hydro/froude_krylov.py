@@ -426,12 +426,16 @@ class HullBatch:
         self.parts = tuple(parts)
         self.hulls = [_Wet(part.hull, sea.density * gravity) for part in parts]
         self._bodies = list(dict.fromkeys(part.body.name for part in parts))
-        waves = None if sea.waves is None else sea.waves.realise(sea.depth, gravity)
-        self._wave = _packed(waves, sea.depth)
-        crest = float(self._wave[AMPLITUDE].sum())
-        self._site = np.array([sea.depth, sea.wave_ramp, crest])
-        self._scratch = np.zeros((3, self._wave.shape[1]))
+        self._depth = sea.depth
+        self.set_waves(None if sea.waves is None else sea.waves.realise(sea.depth, gravity), sea.wave_ramp)
         self._f, self._K, self._R = np.zeros(6), np.zeros((6, 6)), np.zeros((1, 3, 3))
+
+    def set_waves(self, waves: Realisation | None, ramp: float = 0.0) -> None:
+        """Take these waves from now on, with a ramp [s]."""
+        self._wave = _packed(waves, self._depth)
+        crest = float(self._wave[AMPLITUDE].sum())
+        self._site = np.array([self._depth, ramp, crest])
+        self._scratch = np.zeros((3, self._wave.shape[1]))
 
     def connect(self, numbering: Any) -> None:
         """Find the bodies' points and rotations."""

@@ -37,7 +37,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -455,28 +455,6 @@ def strips_ahead(x, q, v, a, t, where, first, P, R, out):  # type: ignore[no-unt
                 out[e, m] = y[m]
 
 
-class DragStrips(NamedTuple):
-    """What the strips (n) of all members and discs do in a state, for linearisation; all of it for their wet share.
-
-    where (n, 2): point and rotation of their body. position, arm (from the body's reference point), axis (n, 3),
-    world [m]. normal, tangential [kg/m]: force over the square of the relative speed. decoupled: whether the normal
-    drag goes by component, along side (n, 3) and axis x side. inertia_normal, inertia_tangential [kg]: force of the
-    water over its acceleration. waterplane [N/m]: change of buoyancy with the height of the surface.
-    """
-
-    where: Index
-    position: Array
-    arm: Array
-    axis: Array
-    side: Array
-    normal: Array
-    tangential: Array
-    decoupled: NDArray[np.bool_]
-    inertia_normal: Array
-    inertia_tangential: Array
-    waterplane: Array
-
-
 class MemberBatch:
     """Morison loads of all members and discs of all bodies."""
 
@@ -504,6 +482,11 @@ class MemberBatch:
         self.x, self.u, self.du, self.eta = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n)
         self.load = np.zeros((len(self.bodies), 8))
         self._K, self._R = np.zeros((6, 6)), np.zeros((1, 3, 3))
+
+    @property
+    def water(self) -> tuple[Array, Array, Array, Array]:
+        """Places (n, 3), and the velocity, acceleration (n, 3) and surface (n,) of the water there, kept in a step."""
+        return self.x, self.u, self.du, self.eta
 
     def connect(self, numbering: Any) -> None:
         """Find the bodies' points and rotations."""
@@ -545,22 +528,3 @@ class MemberBatch:
     def buoyancy(self, name: str) -> float:
         """Hydrostatic lift [N] of the members of body `name` where they were last evaluated; 0 if it has none."""
         return float(self.load[list(self.bodies).index(name), 7]) if name in self.bodies else 0.0
-
-    def drag_strips(self, state: Any) -> DragStrips:
-        """The strips in a state in still water; n counts strips and discs, body by body."""
-        n = self.P.shape[1]
-        at_body = np.repeat(self.where, np.diff(self.first), axis=0)
-        turn = np.zeros((len(state.q), 3, 3))
-        for k, q in enumerate(state.q):
-            set_matrix(turn, k, tuple(q))
-        arm, axis, side = (
-            np.einsum("nij,jn->ni", turn[at_body[:, 1]], self.P[row : row + 3]) for row in (ARM, AXIS, SIDE)
-        )
-        position = state.x[at_body[:, 0]] + arm
-        shape = self.P[[RADIUS, HALF, SOFT]]
-        wet = np.array([wetness(position[i, 2], axis[i, 2], *shape[:, i]) for i in range(n)])
-        phi, P = wet[:, 0], self.P
-        return DragStrips(
-            at_body, position, arm, axis, side, phi * P[DRAG_N], phi * P[DRAG_T], P[SPLIT] > 0.0,
-            phi * (P[PRESSED] + P[ADDED_N]), phi * (P[PRESSED] + P[ADDED_T]), -self.gravity * P[PRESSED] * wet[:, 2],
-        )  # fmt: skip

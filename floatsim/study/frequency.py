@@ -40,7 +40,7 @@ from floatsim.system.system import System
 Complex = NDArray[np.complex128]
 
 SAMPLES = 1024  # states the damping is averaged over; a power of two
-LINE_SAMPLES = 64  # the same for the drag of waves on lines
+WAVE_SAMPLES = 64  # the same for the drag of waves on lines and members
 MAX_ROUNDS = 50
 _SETTLED = 1e-3  # of the largest standard deviation of velocities, its change from round to round
 _SMALL = 1e-4  # m, amplitude of the wave that channels are differentiated with
@@ -171,26 +171,29 @@ def frequency_response(
     if state is None:
         state, _ = solve_static(system)
     linear = _Linear(system, state, w0, math.radians(heading_deg))
-    C = linear.damping(lambda w: None)
-    motion, lam = linear.solve(C)
-    rounds = 0
-    if density is not None:
-        gauss = _gaussian(len(w0))
-        weight = np.sqrt(np.gradient(w0) * density)
-        before = np.zeros(0)
-        for rounds in range(1, MAX_ROUNDS + 1):
-            # velocities of the response: rows of samples, in the system's unknowns
-            V = (gauss * weight) @ (1j * w0[:, None] * motion)
-            sigma = np.sqrt(np.sum((weight[:, None] * np.abs(w0[:, None] * motion)) ** 2, axis=0))
-            if rounds > 1 and np.abs(sigma - before).max() <= _SETTLED * sigma.max():
-                break
-            before = sigma
-            linear.wave_drag(gauss * weight, V.real)
-            C = linear.mean_damping(gauss * weight, V.real)
-            motion, lam = linear.solve(C)
-        else:
-            raise SolveFailed(f"frequency_response: the linearised drag has not settled in {MAX_ROUNDS} rounds")
+    motion, lam, rounds = _settle(linear, density)
     return FrequencyResponse(w0, float(heading_deg), density, motion, lam, state, sampler, rounds)
+
+
+def _settle(linear: _Linear, density: Array | None) -> tuple[Complex, Complex, int]:
+    """Motions and multipliers with the damping that belongs to them, and how many rounds that took."""
+    motion, lam = linear.solve(linear.damping())
+    if density is None:
+        return motion, lam, 0
+    omega = linear.omega
+    weight = np.sqrt(np.gradient(omega) * density)
+    sea = _gaussian(len(omega)) * weight
+    before = np.zeros(0)
+    for rounds in range(1, MAX_ROUNDS + 1):
+        velocity = 1j * omega[:, None] * motion
+        sigma = np.sqrt(np.sum((weight[:, None] * np.abs(velocity)) ** 2, axis=0))
+        if rounds > 1 and np.abs(sigma - before).max() <= _SETTLED * sigma.max():
+            return motion, lam, rounds
+        before = sigma
+        V = (sea @ velocity).real
+        linear.wave_drag(sea, V)
+        motion, lam = linear.solve(linear.mean_damping(sea, V))
+    raise SolveFailed(f"frequency_response: the linearised drag has not settled in {MAX_ROUNDS} rounds")
 
 
 def _frequencies(system: System, omega: Any) -> Array:
@@ -229,6 +232,8 @@ class _Linear:
     def __init__(self, system: System, state: State, omega: Array, heading: float) -> None:
         self.system, self.state, self.omega, self.heading = system, state, omega, heading
         self.linear = LinearSolver(system.layout)
+        self.rest = state.copy()
+        self.rest.v[:] = self.rest.a[:] = 0.0
         self.work = w = system.work()
         self._rest(w)
         self.M = self._matrix((1.0, 0.0, 0.0, 0.0))
@@ -241,9 +246,15 @@ class _Linear:
         used = np.zeros(system.n, dtype=bool)
         used[np.unique(system.layout.rows)] = True
         self.free = np.flatnonzero(used)
-        self.water = [_unit_wave(system, w, omega_k, heading) for omega_k in omega]
-        self.drag = np.zeros((len(omega), system.n_dof), dtype=complex)
-        self._inertia = np.array([self._wave_load(w, U, dU) for U, dU in self.water]).reshape(len(omega), -1)
+        self.k = wave_number(omega, system.model.sea.depth, system.model.gravity)
+        wet = system.wet_points
+        places = [(w.x, w.u, w.du, w.eta, wet)] if len(wet) else []
+        own = [batch.water for batch in system.batches if hasattr(batch, "water")]
+        places += [(*item, np.arange(len(item[0]))) for item in own]
+        # unit waves (n, points) there, and what is there without waves
+        self.water = [(u, du, eta, at, u.copy(), *_unit_waves(self, x[at])) for x, u, du, eta, at in places]
+        self.hull_load = self._hull_loads()
+        self.load = self.hull_load + self._wave_loads(np.zeros(len(omega), dtype=np.complex128))
 
     def _rest(self, w: Work) -> None:
         """The equilibrium in the scratch, without waves."""
@@ -260,61 +271,91 @@ class _Linear:
         self.system.evaluate(w)
         return self.linear.matrix(w.A)
 
-    def damping(self, move: Callable[[Work], None]) -> Any:
-        """C at the equilibrium, with what `move` does to the velocities in the scratch."""
-        move(self.work)
+    def damping(self) -> Any:
+        """C at the equilibrium, at rest."""
+        self._water(np.zeros(len(self.omega), dtype=np.complex128))
         return self._matrix((0.0, 1.0, 0.0, 0.0))
 
-    def mean_damping(self, phases: Complex, V: Array) -> Any:
-        """E[C] over velocities V (samples, n_dof) and the water's, which goes with them."""
-        w, wet, u = self.work, self.system.wet_points, self.work.u.copy()
-        U = np.array([water[0] for water in self.water]).reshape(len(self.omega), -1)
+    def mean_damping(self, sea: Complex, V: Array) -> Any:
+        """E[C] over velocities V (samples, n_dof) in waves of amplitudes sea (samples, n), which go with them."""
+        w = self.work
         total = np.zeros_like(w.A)
         w.c[:4] = (0.0, 1.0, 0.0, 0.0)
         w.c[6] = 1.0
-        for s, v in enumerate(V):
+        for z, v in zip(sea, V, strict=True):
             w.v[:] = v
-            if len(wet):
-                w.u[wet] = u[wet] + (phases[s] @ U).real.reshape(-1, 3)
+            self._water(z)
             self.system.evaluate(w)
             total += w.A
         w.v[:] = 0.0
-        w.u[:] = u
         return self.linear.matrix(total / len(V))
 
-    def wave_drag(self, phases: Complex, V: Array) -> None:
-        """E[df/du] U: force of the waves' velocities on lines, per metre."""
-        w, wet, u = self.work, self.system.wet_points, self.work.u.copy()
-        if not len(wet):
+    def wave_drag(self, sea: Complex, V: Array) -> None:
+        """Let the force of the waves be E[df/d(amplitude)] over the same."""
+        if not self.water:
             return
-        U = np.array([water[0] for water in self.water]).reshape(len(self.omega), -1)
-        total = np.zeros_like(self.drag)
-        pick = slice(0, len(V), max(1, len(V) // LINE_SAMPLES))
-        for p, v in zip(phases[pick], V[pick]):
+        w, pick = self.work, slice(0, len(V), max(1, len(V) // WAVE_SAMPLES))
+        total = np.zeros_like(self.load)
+        for z, v in zip(sea[pick], V[pick], strict=True):
             w.v[:] = v
-            w.u[wet] = u[wet] + (p @ U).real.reshape(-1, 3)
-            total += np.array([self._wave_load(w, water[0], np.zeros_like(water[1])) for water in self.water])
+            total += self._wave_loads(z)
         w.v[:] = 0.0
-        w.u[:] = u
-        self.drag = total / len(V[pick])
+        self.load = self.hull_load + total / len(V[pick])
 
-    def _wave_load(self, w: Work, U: Complex, dU: Complex) -> Complex:
-        """Force (n_dof,) on lines of a wave whose water moves with U, dU (wet, 3) per metre: -dr/d(amplitude)."""
-        system, wet = self.system, self.system.wet_points
-        force = np.zeros(system.n_dof, dtype=complex)
-        if not len(wet):
-            return force
-        u, du = w.u[wet].copy(), w.du[wet].copy()
-        w.c[6] = 0.0
-        for turn, part in ((1.0, 1.0), (-1j, 1j)):
-            sides = []
-            for sign in (_SMALL, -_SMALL):
-                w.u[wet], w.du[wet] = u + sign * (turn * U).real, du + sign * (turn * dU).real
-                system.evaluate(w)
-                sides.append(w.r[: system.n_dof].copy())
-            force -= part * (sides[0] - sides[1]) / (2.0 * _SMALL)
-        w.u[wet], w.du[wet] = u, du
+    def _wave_loads(self, sea: Complex) -> Complex:
+        """Forces (n, n_dof) of unit waves on lines and members, -dr/d(amplitude), in waves of amplitudes sea."""
+
+        def move(z: complex, k: int) -> None:
+            both = sea.copy()
+            both[k] += z
+            self._water(both)
+
+        zero = np.zeros((len(self.omega), self.n_dof), dtype=np.complex128)
+        return self._differences(move) if self.water else zero
+
+    def _hull_loads(self) -> Complex:
+        """The same of hulls, in waves alone."""
+        w, t, system = self.work, self.state.t, self.system
+        hulls = [batch for batch in system.batches if hasattr(batch, "set_waves")]
+
+        def move(z: complex, k: int) -> None:
+            one, a, b = slice(k, k + 1), np.array([abs(z)]), np.array([self.heading])
+            phase = np.array([np.angle(z)]) - self.omega[one] * t
+            waves = Realisation(a, self.omega[one], self.k[one], b, phase, system.model.sea.depth, math.inf)
+            w.still = False
+            for batch in hulls:
+                batch.set_waves(waves)
+                batch.begin(w, None, t, self.rest)
+
+        if not hulls:
+            return np.zeros((len(self.omega), self.n_dof), dtype=np.complex128)
+        force = self._differences(move)
+        for batch in hulls:
+            batch.set_waves(system.waves, system.model.sea.wave_ramp)
+        self._rest(w)
         return force
+
+    def _differences(self, move: Callable[[complex, int], None]) -> Complex:
+        """-dr/d(amplitude) (n, n_dof) when move(z, k) adds wave k with the complex amplitude z."""
+        w, force = self.work, np.zeros((len(self.omega), self.n_dof), dtype=np.complex128)
+        w.c[6] = 0.0
+        for k in range(len(self.omega)):
+            for turn, part in ((1.0, 1.0), (-1j, 1j)):
+                sides = []
+                for sign in (_SMALL, -_SMALL):
+                    move(sign * turn, k)
+                    self.system.evaluate(w)
+                    sides.append(w.r[: self.n_dof].copy())
+                force[k] -= part * (sides[0] - sides[1]) / (2.0 * _SMALL)
+        return force
+
+    def _water(self, sea: Complex) -> None:
+        """The water's motion at lines and members at rest in waves of complex amplitudes sea (n,), m."""
+        self.work.still = False  # or members would find their still water anew
+        for u, du, eta, at, u0, U, dU, E in self.water:
+            u[at] = u0[at] + (sea @ U).real.reshape(-1, 3)
+            du[at] = (sea @ dU).real.reshape(-1, 3)
+            eta[at] = (sea @ E).real
 
     def solve(self, C: Any) -> tuple[Complex, Complex]:
         """Motions (n, n_dof) and multipliers (n, n_con) per metre at all frequencies."""
@@ -326,7 +367,7 @@ class _Linear:
         for k, omega in enumerate(self.omega):
             rows, cols, values = [], [], []
             force = np.zeros(n, dtype=complex)
-            force[: self.n_dof] = self._inertia[k] + self.drag[k]
+            force[: self.n_dof] = self.load[k]
             for batch in system.batches:
                 if hasattr(batch, "frequency_terms"):
                     for dofs, mass, damping in zip(*batch.frequency_terms(omega, system.n_point), strict=True):
@@ -351,14 +392,12 @@ class _Linear:
         return out[:, : self.n_dof], np.asarray(self.cG * out[:, self.n_dof :], dtype=np.complex128)
 
 
-def _unit_wave(system: System, w: Work, omega: float, heading: float) -> tuple[Complex, Complex]:
-    """Water's velocity and acceleration (wet, 3) at the equilibrium, complex, per metre of wave amplitude."""
-    sea, wet = system.model.sea, system.wet_points
-    if not len(wet):
-        return np.zeros((0, 3), dtype=complex), np.zeros((0, 3), dtype=complex)
-    one = np.ones(1)
-    k = wave_number(omega * one, sea.depth, system.model.gravity)
-    wave = Realisation(one, omega * one, k, heading * one, 0.0 * one, sea.depth, math.inf)
-    u0, du0, _ = exact(wave, w.x[wet], 0.0)
-    u1, du1, _ = exact(wave, w.x[wet], -0.5 * math.pi / omega)
-    return np.asarray(u0 + 1j * u1, dtype=np.complex128), np.asarray(du0 + 1j * du1, dtype=np.complex128)
+def _unit_waves(linear: _Linear, x: Array) -> tuple[Complex, Complex, Complex]:
+    """Water's velocity, acceleration (n, 3 p) and surface (n, p) at places x (p, 3), complex, per metre of waves."""
+    depth, one, parts = linear.system.model.sea.depth, np.ones(1), []
+    for omega, k in zip(linear.omega, linear.k, strict=True):
+        wave = Realisation(one, omega * one, k * one, linear.heading * one, 0.0 * one, depth, math.inf)
+        now, earlier = exact(wave, x, 0.0), exact(wave, x, -0.5 * math.pi / omega)
+        parts.append([(a + 1j * b).ravel() for a, b in zip(now, earlier, strict=True)])
+    U, dU, E = (np.array(part, dtype=np.complex128) for part in zip(*parts, strict=True))
+    return U, dU, E

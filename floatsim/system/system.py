@@ -14,6 +14,9 @@ What a batch offers the system (the protocol; a part's description names its bat
     frequency_terms(omega, n_point), wave_force(omega, heading, n_point), frequencies()
                                 optional, of floaters: added mass, damping and excitation at one frequency, and the
                                 frequencies they are known at
+    water                       optional, of those that find the water's motion themselves: places, velocity,
+                                acceleration and surface there
+    set_waves(waves, ramp)      optional, of hulls: other waves from now on
     remembers                   whether commits or outputs need the evaluation of the accepted state itself
     error(history, work)        optional: local error of the step just made over what is allowed
     start(state) -> history     optional: its memory, committed by commit(history, work) only when a

@@ -6,6 +6,8 @@ from shipped import HYDRO, load
 from test_floater import DEPTH, MOORING, RHO, floater, frequency_domain, wave_damping
 
 import floatsim as fs
+from floatsim.hydro import meshing
+from floatsim.sea.dispersion import wave_number
 
 ROW = "frequency domain: linear floater against its own solution"
 ROW_TIME = "frequency domain against time domain in small waves"
@@ -111,6 +113,62 @@ def test_volturnus_in_small_waves(record):
     got, want = amplitudes(names[1], 0.001, 1e-10), response.rao(names[1])
     error = (np.linalg.norm(got - want, axis=1) / np.linalg.norm(want, axis=1)).max()
     record(ROW_TIME, "VolturnUS-S, fairlead force, complex vector: largest error", 100.0 * error, 2.0, "%")
+
+
+SPAR = dict(mass=1025.0 * np.pi * 9.0 * 20.0, inertia=(3e8, 3e8, 3e6), center_of_mass=(0.0, 0.0, -12.0))
+
+
+def spar(kind: str) -> fs.Body:
+    """A cylinder of 3 m radius and 20 m draught, its water by a mesh or by Morison's formula; 5 m freeboard."""
+    if kind == "hull":
+        profile = meshing.profile([(0.0, -20.0), (3.0, -20.0), (3.0, 5.0), (0.0, 5.0)], 1.0)
+        mesh = meshing.revolve(profile, 24)
+        load: object = fs.Hull(mesh=(mesh.vertices, mesh.faces))
+    else:
+        load = fs.Member(a=(0.0, 0.0, -20.0), b=(0.0, 0.0, 5.0), diameter=6.0, drag_normal=1.0, added_mass_normal=1.0,
+                         end_drag=(2.0, 0.0), end_added_mass=(1.0, 0.0), buoyancy=True, strips=25)  # fmt: skip
+    return fs.Body(name="spar", hydro=load, **SPAR)
+
+
+@pytest.mark.parametrize("kind", ["hull", "member"])
+def test_waves_on_hulls_and_members(kind, record):
+    """One wave of 2 mm on a spar moored by soft springs: the run's steady amplitude is the RAO."""
+    springs = [fs.Spring(name=f"spring_{k}", a="spar", b=(50.0 * x, 50.0 * y, 0.0), stiffness=2e4, free_length=45.0)
+               for k, (x, y) in enumerate(((1, 0), (-0.5, 0.9), (-0.5, -0.9)))]  # fmt: skip
+    period, a = 8.0, 1e-3
+    wave = fs.RegularWave(height=2.0 * a, period=period)
+    still = fs.Model(parts=[spar(kind), *springs], sea=fs.Sea(depth=100.0))
+    model = fs.Model(parts=[spar(kind), *springs], sea=fs.Sea(depth=100.0, waves=wave, wave_ramp=400.0))
+    omega = 2.0 * np.pi / period
+    want = fs.frequency_response(still, [0.9 * omega, omega]).rao("spar_position")[1, [0, 2, 4]]
+    run = fs.simulate(model, 1200.0, 0.1, channels=["spar_position"], tolerance=1e-10)
+    t = run.time[-800:]
+    y = run.series("spar_position")[-800:, [0, 2, 4]]
+    basis = np.stack([np.cos(omega * t), -np.sin(omega * t), np.ones_like(t), t - t.mean()], axis=1)
+    c = np.linalg.lstsq(basis, y, rcond=None)[0]
+    got = (c[0] + 1j * c[1]) / a
+    error = 100.0 * np.abs(got / want - 1.0).max()
+    record(ROW_TIME, f"spar by {kind}, surge, heave and pitch: largest error", error, 1.0, "%")
+
+
+def test_drag_of_members_in_a_sea(record):
+    """A spar that waves do not move: the force of their drag is that of the linearised formula, sqrt(8/pi) sigma_u a
+    strip (Borgman 1967), integrated over the depth."""
+    omega = np.arange(0.3, 1.51, 0.05)
+    sea = fs.Jonswap(hs=6.0, tp=10.0)
+    load = fs.Member(a=(0.0, 0.0, -20.0), b=(0.0, 0.0, 5.0), diameter=0.6, drag_normal=1.0, buoyancy=True, strips=25)
+    body = fs.Body(name="pile", mass=1e4, inertia=(1e5, 1e5, 1e4), hydro=load)
+    model = fs.Model(parts=[body], joints=[fs.Weld(a="pile", b=(0.0, 0.0, 0.0), name="foot")], sea=fs.Sea(depth=100.0))
+    response = fs.frequency_response(model, omega, spectrum=sea, channels=["foot_force"])
+    S, k = sea.density(omega), wave_number(omega, 100.0, 9.81)
+    z = -np.arange(0.25, 20.0, 0.5)
+    shape = np.cosh(k * (z[:, None] + 100.0)) / np.sinh(k * 100.0)
+    sigma = np.sqrt(np.sum(S * (omega * shape) ** 2, axis=1) * 0.05)
+    drag = 0.5 * 1025.0 * 0.6 * np.sqrt(8.0 / np.pi) * 0.5 * (sigma[:, None] * omega * shape).sum(axis=0)
+    inertia = 1025.0 * np.pi * 0.09 * 0.5 * (omega**2 * shape).sum(axis=0)
+    got = np.abs(response.rao("foot_force")[:, 0])
+    error = 100.0 * np.abs(got / np.abs(drag + 1j * inertia) - 1.0).max()
+    record(ROW_DRAG, "force on a pile: largest error over the frequencies", error, 5.0, "%")
 
 
 BAD = {

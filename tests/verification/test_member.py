@@ -487,20 +487,6 @@ def test_water_is_taken_where_strips_will_be():
 # -- strips for linearisation, output --------------------------------------------------------------
 
 
-def test_drag_strips():
-    """Coefficients add up to those of the whole; half of it is dry."""
-    hull = body(Member(a=(0, 0, -5), b=(0, 0, 5), diameter=1.0, drag_normal=1.2, added_mass_normal=1.0, strips=10),
-                Disc(at=(0, 0, -5), diameter=4.0, drag=2.0), position=(3, 2, 0))  # fmt: skip
-    system = fs.assemble(fs.Model(parts=[hull], sea=STILL))
-    strips = system.batches[1].drag_strips(system.initial_state())
-    assert strips.position.shape == (11, 3) and strips.where.tolist() == [[0, 0]] * 11
-    assert strips.normal.sum() == pytest.approx(0.5 * RHO * 1.2 * 5.0, rel=1e-6)
-    assert strips.tangential.sum() == pytest.approx(RHO * np.pi * 4.0, rel=1e-12)
-    assert strips.inertia_normal.sum() == pytest.approx(2 * RHO * np.pi / 4 * 5.0, rel=1e-6)
-    assert strips.waterplane.sum() == pytest.approx(RHO * G * np.pi / 4, rel=1e-5)
-    np.testing.assert_allclose(strips.position[:, :2], [[3, 2]] * 11)
-
-
 def test_output(tmp_path):
     """A moored spar at rest: the channel holds its weight."""
     m = RHO * np.pi * 4.0 * 30.0
