@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -185,6 +185,30 @@ class HydroDatabase:
             mass = np.concatenate([self.added_mass_zero[None], self.added_mass])
             return CubicSpline(np.concatenate([[0.0], self.omega]), mass)(omega), B
         return CubicSpline(self.omega, self.added_mass)(max(omega, self.omega[0])), B
+
+    def scaled(self, length: float, density: float | None = None) -> HydroDatabase:
+        """The same floaters built to another scale, by Froude's law: all lengths times `length` (1/70 for a model at
+        1:70), times with its square root, in the same gravity and in water of `density` (kg/m3, default the same).
+
+        Exact: potential flow without surface tension knows no other number. Raises ModelError for a length or a
+        density that is not positive and finite.
+        """
+        rho = self.density if density is None else density
+        for label, value in (("length", length), ("density", rho)):
+            if not 0.0 < value < np.inf:
+                raise ModelError(f"hydrodynamic database '{self.name}': scaled: {label} is {value}, must be positive")
+        each = length ** np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0], len(self.bodies))  # a moment has a length more
+        pair, mass, rate = np.outer(each, each), rho / self.density * length**3, length**-0.5
+        factors = {
+            "omega": rate, "added_mass": mass * pair, "added_mass_inf": mass * pair, "added_mass_zero": mass * pair,
+            "radiation_damping": rate * mass * pair, "hydrostatic_stiffness": rate**2 * mass * pair,
+            "excitation": rate**2 * mass * each, "froude_krylov": rate**2 * mass * each,
+            "mean_drift": rate**4 * mass * each, "volume": length**3, "centre_of_buoyancy": length,
+            "reference_point": length, "depth": length, "hull_vertices": length,
+        }  # fmt: skip
+        values = {key: factor * getattr(self, key) for key, factor in factors.items() if getattr(self, key) is not None}
+        source = {**self.source, "froude_scale": float(self.source.get("froude_scale", 1.0)) * length}
+        return replace(self, **values, density=rho, source=source)
 
     @classmethod
     def read(cls, path: str | Path) -> HydroDatabase:

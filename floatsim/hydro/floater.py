@@ -41,6 +41,7 @@ from floatsim.errors import ModelError, nearest
 from floatsim.frames import Array, cross, turn_quaternion, unit
 from floatsim.hydro.database import HydroDatabase, require_match
 from floatsim.hydro.excitation import Excitation
+from floatsim.hydro.mean_surface import with_froude_krylov
 from floatsim.hydro.qtf import QTF
 from floatsim.hydro.radiation import RadiationKernel
 from floatsim.hydro.state_space import StateSpace
@@ -117,13 +118,14 @@ class PotentialFlow(Description):
             raise ModelError(
                 f"PotentialFlow: hull: hydrodynamic database '{self.data.name}' does not have the Froude-Krylov part "
                 "of its excitation by itself, which the pressure on the hull replaces; take a database with "
-                "froude_krylov, or leave hull out"
+                "froude_krylov or with the panels of its hull, or leave hull out"
             )
 
     @cached_property
     def data(self) -> HydroDatabase:
-        """The database itself."""
-        return self.database if isinstance(self.database, HydroDatabase) else HydroDatabase.read(self.database)
+        """The database itself; for a hull with the Froude-Krylov part, from its panels if it lacks it."""
+        db = self.database if isinstance(self.database, HydroDatabase) else HydroDatabase.read(self.database)
+        return with_froude_krylov(db) if self.hull is not None and db.hull_faces is not None else db
 
     @property
     def drifts(self) -> tuple[Any, ...]:
