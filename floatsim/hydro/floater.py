@@ -457,6 +457,7 @@ class FloaterBatch:
         self.matrices = np.zeros((n, 3, 6, 6))
         self.P = np.zeros((n, 12))
         self.external = np.zeros((n, 6))
+        self.past = np.zeros((n, 6))  # the past's share of the memory in it
         self.pairs = np.array(
             [(b, o) for group in self.groups for b in _range(group) for o in _range(group)], dtype=np.int64
         )
@@ -573,6 +574,7 @@ class FloaterBatch:
         for group, memory in zip(self.groups, history, strict=False):
             self.external[group.members] = memory.prepare(t).reshape(-1, 6)
             self._couple(group, 1, memory.tangent)
+        np.copyto(self.past, self.external)
         slow = {b: memory.prepare(t, self._ahead(b, t, state))
                 for (b, _), memory in zip(self._slow(), history[len(self.groups) :], strict=True)}  # fmt: skip
         for b, waves in enumerate(self.waves):
@@ -655,6 +657,37 @@ class FloaterBatch:
         """What the second-order forces leave out."""
         return [f"Body '{part.body.name}': {line}" for part, waves in zip(self.parts, self.waves, strict=True)
                 if waves is not None for line in waves.messages]  # fmt: skip
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """Of the state last evaluated, in the heading frame.
+
+        U = xi . C xi/2 - W z - M . phi with the buoyancy W and its moments M. Forces -C xi + (W, M) act on nu instead
+        of xi', whose angular part is L w: what is of second order in the angles goes to the account `large_angles`.
+        """
+        n = len(w.x)
+        for b, (_, k) in enumerate(self.where):
+            xi, nu, rel = self._Y[0, b], self._Y[1, b], self._Y[3, b]
+            C, B, Q = self.matrices[b]
+            co, si, W, M = *self.P[b, :2], self.P[b, 9], self.P[b, 10:]
+            turned = self._L[b] @ w.v[3 * (n + k) : 3 * (n + k) + 3]
+            turned[0], turned[1] = co * turned[0] + si * turned[1], co * turned[1] - si * turned[0]
+            rate = np.concatenate([nu[:3], turned])
+            S = 0.5 * (C + C.T)
+            flow = rate @ S @ xi - W * rate[2] - M @ rate[3:5]
+            book.store("hydrostatic", 0.5 * xi @ S @ xi - W * w.x[self.where[b, 0], 2] - M @ xi[3:5], flow)
+            book.work("large_angles", flow - nu @ C @ xi + W * nu[2] + M @ nu[3:5])
+            viscous, drag = -nu @ B @ nu, -Q @ (np.abs(rel) * rel)
+            book.work("drag", viscous + rel @ drag)
+            book.work("current", (nu - rel) @ drag)
+            book.work("wave", nu @ (self.external[b] - self.past[b]))
+            book.work("radiation", nu @ self.past[b])
+        for group in self.groups:
+            A, nu, acc = group.db.added_mass_inf, self._Y[1, group.members].ravel(), self._Y[2, group.members].ravel()
+            S = 0.5 * (A + A.T)
+            book.store("kinetic", 0.5 * nu @ S @ nu, nu @ S @ acc)
+            book.work("radiation", nu @ (S - A) @ acc)
+        for (b, o), (_, memory) in zip(self.pairs, self.coupling, strict=True):
+            book.work("radiation", -self._Y[1, b] @ memory @ self._Y[1, o])
 
     def notes(self) -> list[str]:
         """Per group how well its radiation memory gives back the database, and a database of deep water in less."""

@@ -400,6 +400,30 @@ def hull_loads(x, R, c, where, sizes, V, T, W, D, S, f, K6, slots, A, r, s):  # 
                 A[slots[6 * (o + i) + j]] -= c[2] * d[i]
 
 
+@kernel
+def buoyancy_energy(S, V, T, R, k):  # type: ignore[no-untyped-def]
+    """- int z dV of what is below the surface of still water, from the heights S over it: - int z^2/2 n_z dA.
+
+    Exact: of a triangle the mean of z^2 is (a^2 + b^2 + c^2 + ab + bc + ca)/6, and what is left of one with two wet
+    corners when the dry one is cut off is the whole less the dry piece.
+    """
+    U = 0.0
+    for t in range(T.shape[0]):
+        count, i, j, m = _odd_one(S, T, t)
+        if count == 0:
+            continue
+        a, b, c = S[i, 0], S[j, 0], S[m, 0]
+        if count == 1:
+            mean = _wet_share(S, i, j) * _wet_share(S, i, m) * a * a / 6.0
+        else:
+            mean = (a * a + b * b + c * c + a * b + b * c + c * a) / 6.0
+            if count == 2:
+                mean -= (1.0 - _wet_share(S, j, i)) * (1.0 - _wet_share(S, m, i)) * a * a / 6.0
+        n = rotate(R, k, _area(vec(V, i), vec(V, j), vec(V, m)))
+        U -= 0.5 * mean * n[2]
+    return U
+
+
 # --- the batch ----------------------------------------------------------------------------------
 
 
@@ -483,6 +507,20 @@ class HullBatch:
             hull.S[:, PRESSURE] = hull.S[:, HEIGHT]
             wrench(hull.S, hull.V, hull.T, hull.W, self._f)
             mine[3] -= w.R[k, 2] @ self._f[:3]
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """U = - rho g int z dV in still water; all that the waves change is their work."""
+        n = len(w.x)
+        for hull, (p, k) in zip(self.hulls, self.where, strict=True):
+            v = np.concatenate([w.v[3 * p : 3 * p + 3] @ w.R[k], w.v[3 * (n + k) : 3 * (n + k) + 3] @ w.R[k]])
+            power = []
+            for D in (hull.D, np.zeros_like(hull.D)):
+                heights_and_pressures(w.x, w.R, p, k, hull.sizes[1], hull.V, D, hull.S)
+                wrench(hull.S, hull.V, hull.T, hull.W, self._f)
+                power.append(self._f @ v)
+            U = hull.sizes[1] * buoyancy_energy(hull.S, hull.V, hull.T, w.R, k)
+            book.store("hydrostatic", U, -power[1])
+            book.work("wave", power[0] - power[1])
 
 
 def _packed(waves: Realisation | None, depth: float) -> Array:

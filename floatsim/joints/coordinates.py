@@ -272,6 +272,9 @@ class JointCoordinatesBatch:
     def add(self, w: Any) -> None:
         """It loads nothing."""
 
+    def ledger(self, w: Any, book: Any) -> None:
+        """It has no energy."""
+
     def commit(self, history: Array, w: Any) -> None:
         self.table.move(w.x, w.R, w.v)
         history[:] = self.table.s

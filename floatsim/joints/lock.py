@@ -122,6 +122,9 @@ class LockBatch:
     def add(self, w: Any) -> None:
         """Its rows belong to the constraints."""
 
+    def ledger(self, w: Any, book: Any) -> None:
+        """What a lock takes when it engages is a jump of the stores; while engaged it does no work."""
+
     def rows(self, coordinates: Callable[[str], dict[str, Any]]) -> dict[str, list[Row]]:
         """One row for every lock; coordinates(joint): what it may hold.
 

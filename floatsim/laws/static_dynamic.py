@@ -12,6 +12,10 @@ OMAE2017-61469): first loading follows the curve itself; after the largest slow 
 
 so that a share p of the largest stretch stays. The exact step of the filter over h for a strain that
 changes evenly is used; z and z_max are committed with the step. In statics z = e.
+
+What the rope stores, U = int_0^z T_s + T_s (e - z) + (A + B T_s)(e - z)^2/2, has T (without the damper) as its
+derivative by e; what it gives by z is lost, - dU/dz dz/dt = ((A + B T_s - T_s')(e - z) - B T_s'(e - z)^2/2) dz/dt. So
+is, on first loading of a rope with a permanent share, what the working curve does not hold of the curve's own work.
 """
 
 from __future__ import annotations
@@ -25,7 +29,7 @@ from pydantic import model_validator
 from floatsim.description import Description, NonNegative, Positive, Series
 from floatsim.frames import Array
 from floatsim.jit import kernel
-from floatsim.laws.tension_table import LEFT, rising, table
+from floatsim.laws.tension_table import LEFT, integral, rising, table
 
 
 @kernel
@@ -116,3 +120,24 @@ class StaticDynamic(Description):
         """Memory (3, n) of a rope that has long been at these stretches and never longer."""
         e = s - 1.0
         return np.array([e, e, np.maximum(e, 0.0)])
+
+    def energy(self, s: Array, new: Array) -> tuple[Array, Array]:
+        """(energy stored [J/m], power lost besides the damper's [W/m]) per unstretched length; new (3, n): memory."""
+        x, y = np.array(self.strain), np.array(self.tension)
+        A, B, p, m = self.dynamic_stiffness, self.per_tension, self.permanent_share, self.working_exponent
+        e, z, top = s - 1.0, new[1], new[2]
+        lag, dz = e - z, (e - z) / self.relaxation_time
+        T, slope = np.array([static_curve(x, y, p, m, *pair) for pair in zip(z, top, strict=True)]).T
+        U, plastic = integral(x, y, z), np.zeros(len(z))
+        if p > 0.0:
+            T_top, k_top = np.array([table(x, y, value) for value in top]).T
+            room = np.where(top > 0.0, (1.0 - p) * top, 1.0)
+            share = (z - p * top) / room
+            work = T_top * room / (m + 1.0) * np.maximum(share, 0.0) ** (m + 1.0)
+            slack = 0.5 * LEFT * T_top / np.where(top > 0.0, top, 1.0) * (z - p * top) ** 2
+            U = np.where(top > 0.0, np.where(share > 0.0, work, slack), U)
+            first = (z >= top) & (top > 0.0) & (dz > 0.0)
+            plastic = np.where(first, T_top - (1.0 - p) / (m + 1.0) * (k_top * top + T_top), 0.0)
+        up = np.where(T > 0.0, B * slope, 0.0)
+        K = A + B * np.maximum(T, 0.0)
+        return U + T * lag + 0.5 * K * lag**2, (plastic + (K - slope) * lag - 0.5 * up * lag**2) * dz

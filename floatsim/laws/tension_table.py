@@ -36,6 +36,15 @@ def table(x, y, value):  # type: ignore[no-untyped-def]
     return y[i] + k * (value - x[i]), k
 
 
+def integral(x: Array, y: Array, value: Array) -> Array:
+    """Integral of `table` from its first point to each value."""
+    steps = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(x))])
+    i = np.clip(np.searchsorted(x, value) - 1, 0, len(x) - 2)
+    slope = np.where(value < x[0], LEFT, 1.0) * (y[i + 1] - y[i]) / (x[i + 1] - x[i])
+    e = value - x[i]
+    return np.asarray(steps[i] + e * (y[i] + 0.5 * slope * e))
+
+
 @kernel
 def tension_table(x, y, c, s, rate, out):  # type: ignore[no-untyped-def]
     """out (3, n): T, dT/ds, dT/drate of elements at stretches s and rates with damping c, each (n,)."""
@@ -92,3 +101,7 @@ class TensionTable(Description):
     def start(self, s: Array) -> Array:
         """No memory."""
         return np.zeros((0, len(s)))
+
+    def energy(self, s: Array, new: Array) -> tuple[Array, Array]:
+        """(energy stored [J/m], power lost besides the damper's [W/m]) per unstretched length, at the stretches s."""
+        return integral(np.array(self.strain), np.array(self.tension), s - 1.0), np.zeros(len(s))

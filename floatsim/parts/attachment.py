@@ -70,6 +70,45 @@ def point_loads(x, v, a, u, du, eta, c, points, P, rho, g, slots, A, r, s):  # t
                 A[slots[e, 3 * i + j]] += k
 
 
+@kernel
+def point_powers(x, v, a, u, du, eta, current, points, P, rho, g, out):  # type: ignore[no-untyped-def]
+    """out: kinetic energy and its rate, weight's, buoyancy's in still water, powers of wave, current, drag and added
+    mass. current (n_point, 3): the part of u that is no wave's."""
+    for i in range(10):
+        out[i] = 0.0
+    for e in range(points.shape[0]):
+        p = points[e]
+        m, V, h = P[MASS, e], rho * P[VOLUME, e], max(P[HEIGHT, e], 1e-3)
+        vel, acc, flow, stream = at(v, 3 * p), at(a, 3 * p), vec(du, p), vec(current, p)
+        w = minus(vec(u, p), vel)
+        phi = min(max(0.5 - (x[p, 2] - eta[p]) / h, 0.0), 1.0)
+        depth = min(0.5 - x[p, 2] / h, 1.0)  # wet part of the height in still water, and what is above it
+        still = max(depth, 0.0)
+        drag = phi * 0.5 * rho * P[DRAG, e] * math.sqrt(dot(w, w))
+        ma = V * P[ADDED, e]
+        out[0] += 0.5 * m * dot(vel, vel)
+        out[1] += m * dot(vel, acc)
+        out[2] += m * g * x[p, 2]
+        out[3] += m * g * vel[2]
+        out[4] += V * g * (0.5 * still * still * h if depth < 1.0 else -x[p, 2])
+        out[5] -= V * g * still * vel[2]
+        moved = dot(w, vec(u, p)), dot(w, stream)
+        out[6] += phi * (V + ma) * dot(flow, vel) + V * g * (phi - still) * vel[2] + drag * (moved[0] - moved[1])
+        out[7] += drag * moved[1]
+        out[8] -= drag * dot(w, w)
+        out[9] -= phi * ma * dot(acc, vel)
+
+
+def book_points(w: Any, book: Any, points: Any, P: Any, rho: float, g: float) -> None:
+    """Enter the energies of point loads into the ledger."""
+    y = np.zeros(10)
+    point_powers(w.x, w.v, w.a, w.u, w.du, w.eta, book.current, points, P, rho, g, y)
+    for k, name in enumerate(("kinetic", "gravity", "hydrostatic")):
+        book.store(name, y[2 * k], y[2 * k + 1])
+    for k, name in enumerate(("wave", "current", "drag", "added_mass")):
+        book.work(name, y[6 + k])
+
+
 class LineLoadBatch:
     """All attachments of all lines."""
 
@@ -105,3 +144,7 @@ class LineLoadBatch:
     def add(self, w: Any) -> None:
         point_loads(w.x, w.v, w.a, w.u, w.du, w.eta, w.c, self.points, self.P, self.rho, self.gravity, self._slots,
                     w.A, w.r, w.s)  # fmt: skip
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """As of points."""
+        book_points(w, book, self.points, self.P, self.rho, self.gravity)

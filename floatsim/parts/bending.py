@@ -107,6 +107,54 @@ def blocks(m, n, z, ta, tb, ga, gb, ha, hb):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def from_table_energy(tables, row, theta):  # type: ignore[no-untyped-def]
+    """Integral of the moment from 0 to theta."""
+    U = 0.0
+    last = tables.shape[2] - 2
+    for i in range(last + 1):
+        a, b = tables[row, 0, i], tables[row, 0, i + 1]
+        end = theta if theta <= b or i == last else b
+        M, _ = from_table(tables, row, end)
+        U += 0.5 * (tables[row, 1, i] + M) * (end - a)
+        if theta <= b:
+            break
+    return U
+
+
+@kernel
+def pair_powers(k, damping, tables, row, ta, ia, tb, ib, va, vb):  # type: ignore[no-untyped-def]
+    """(U, dU/dt, power of the damper) of a bent pair; numbers as in `bend`."""
+    co = dot(ta, tb)
+    sx = cross(ta, tb)
+    y = dot(sx, sx)
+    theta = math.atan2(math.sqrt(y), co)
+    h1, _ = half_angle_squared(co, y)
+    U, h1 = 0.5 * k * theta * theta, k * h1
+    if row >= 0:
+        U = from_table_energy(tables, row, theta)
+        h1, _ = table_slopes(tables, row, co, y)
+    rate = ia * (dot(tb, va) - co * dot(ta, va)) + ib * (dot(ta, vb) - co * dot(tb, vb))  # of the cosine
+    return U, h1 * rate, -damping * rate * rate / (1.0 - co * co + _STRAIGHT * _STRAIGHT)
+
+
+@kernel
+def bending_powers(x, v, pairs, B, tables, out):  # type: ignore[no-untyped-def]
+    """out: energy of all pairs, its rate, power of the dampers."""
+    out[0] = out[1] = out[2] = 0.0
+    for e in range(pairs.shape[0]):
+        if B[e, 0] == 0.0 and B[e, 1] == 0.0:
+            continue
+        da, db = minus(vec(x, pairs[e, 1]), vec(x, pairs[e, 0])), minus(vec(x, pairs[e, 3]), vec(x, pairs[e, 2]))
+        ia, ib = 1.0 / math.sqrt(dot(da, da)), 1.0 / math.sqrt(dot(db, db))
+        va = minus(at(v, 3 * pairs[e, 1]), at(v, 3 * pairs[e, 0]))
+        vb = minus(at(v, 3 * pairs[e, 3]), at(v, 3 * pairs[e, 2]))
+        U, R, P = pair_powers(B[e, 0], B[e, 1], tables, pairs[e, 4], times(ia, da), ia, times(ib, db), ib, va, vb)
+        out[0] += U
+        out[1] += R
+        out[2] += P
+
+
+@kernel
 def line_bending(x, v, c, pairs, B, tables, slots, direct, step, K, A, r, s):  # type: ignore[no-untyped-def]
     """Bending at every node between two elements; returns the index of a folded pair, or -1.
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
 from floatsim.description import Name, Positive, Vector3, numbers
-from floatsim.frames import Array, at, cross, dot, matrix_from_angles, minus, plus, rotate, times, unit, unrotate
+from floatsim.frames import Array, at, cross, dot, matrix_from_angles, minus, plus, rotate, skew, times, unit, unrotate
 from floatsim.jit import kernel
 from floatsim.parts.part import Anchor, Part
 
@@ -210,3 +210,19 @@ class BodyBatch:
 
     def add(self, w: Any) -> None:
         rigid_bodies(w.x, w.R, w.v, w.a, w.c, self.points, self.rots, self.P, self._slots, self._K, w.A, w.r, w.s)
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """T = m v_c^2/2 + w . J w/2 and U = m g z_c of every body; their rates from forces."""
+        n = len(w.x)
+        for P, i, k in zip(self.P, self.points, self.rots, strict=True):
+            m, g, R = P[0], P[13], w.R[k]
+            J = R @ P[4:13].reshape(3, 3) @ R.T
+            c = R @ P[1:4]
+            v, a = w.v[3 * i : 3 * i + 3], w.a[3 * i : 3 * i + 3]
+            omega, alpha = w.v[3 * (n + k) : 3 * (n + k) + 3], w.a[3 * (n + k) : 3 * (n + k) + 3]
+            arm, spin = skew(c), skew(omega)
+            vc = v + spin @ c
+            F = m * (a - arm @ alpha + spin @ (spin @ c))
+            M = arm @ F + J @ alpha + spin @ (J @ omega)
+            book.store("kinetic", 0.5 * (m * vc @ vc + omega @ J @ omega), F @ v + M @ omega)
+            book.store("gravity", m * g * (w.x[i, 2] + c[2]), m * g * vc[2])

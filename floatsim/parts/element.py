@@ -349,3 +349,76 @@ def drag_stick_points(x, v, nodes, P, bed, grid, stick):  # type: ignore[no-unty
             for m in range(3):
                 stick[o, m] = here[m] - left * u[m]
                 stick[o, 3 + m] = t[m]
+
+
+# entries of `line_powers`: energies and their rates, then powers
+E_KINETIC, E_GRAVITY, E_HYDROSTATIC, E_AXIAL, E_SEABED = range(0, 10, 2)
+P_STRUCTURAL, P_WAVE, P_CURRENT, P_DRAG, P_ADDED, P_SURFACE, P_CONTACT, P_FRICTION = range(10, 18)
+POWERS = 18
+
+
+@kernel
+def line_powers(x, v, a, u, du, eta, current, nodes, P, env, bed, grid, rough, stick, out):  # type: ignore[no-untyped-def]
+    """Energies and powers of all elements into out (POWERS); not the axial ones of laws that run by themselves.
+
+    current (n_point, 3): the part of u that is no wave's; the rest as in `line_elements`.
+    """
+    g = env[GRAVITY]
+    for i in range(POWERS):
+        out[i] = 0.0
+    for e in range(nodes.shape[0]):
+        i, j = nodes[e, 0], nodes[e, 1]
+        x1, x2 = vec(x, i), vec(x, j)
+        d = minus(x2, x1)
+        l, l0 = math.sqrt(dot(d, d)), P[e, L0]
+        t = times(1.0 / l, d)
+        along = dot(t, minus(at(v, 3 * j), at(v, 3 * i)))
+        if P[e, LAW] != SPECIAL:
+            s = l / l0
+            T, _, _ = linear(P[e, LAW], P[e, EA], P[e, CA], s, along / l0)
+            Te, _, _ = linear(P[e, LAW], P[e, EA], P[e, CA], s, 0.0)
+            strain = 0.5 * (s * s - 1.0) if P[e, LAW] == GREEN else s - 1.0
+            out[E_AXIAL] += P[e, LIVE] * 0.5 * P[e, EA] * strain * strain * l0
+            out[E_AXIAL + 1] += P[e, LIVE] * Te * along
+            out[P_STRUCTURAL] -= P[e, LIVE] * (T - Te) * along
+        dry, mf, mn, dm = P[e, DRY], P[e, WATER], P[e, ADDED_N], P[e, ADDED_T] - P[e, ADDED_N]
+        phi, _, _ = wet_share(x1[2] - eta[i], x2[2] - eta[j], P[e, DIA])
+        level, _, _ = wet_share(x1[2], x2[2], P[e, DIA])
+        for k in range(2):
+            p = i if k == 0 else j
+            here, vel, acc, flow, stream = vec(x, p), at(v, 3 * p), at(a, 3 * p), vec(du, p), vec(current, p)
+            out[E_KINETIC] += 0.5 * dry * dot(vel, vel)
+            out[E_KINETIC + 1] += dry * dot(vel, acc)
+            out[E_GRAVITY] += dry * g * here[2]
+            out[E_GRAVITY + 1] += dry * g * vel[2]
+            wet, way = _ramp(here[2], P[e, DIA])
+            out[E_HYDROSTATIC] -= mf * g * way
+            out[E_HYDROSTATIC + 1] -= mf * g * wet * vel[2]
+            out[P_SURFACE] += mf * g * (level - wet) * vel[2]
+            out[P_WAVE] += mf * g * (phi - level) * vel[2]
+            if phi > 0.0:
+                w = minus(vec(u, p), vel)
+                wt, vt = dot(w, t), dot(vel, t)
+                wn = minus(w, times(wt, t))
+                cn, ct = phi * P[e, DRAG_N] * math.sqrt(dot(wn, wn)), phi * P[e, DRAG_T] * abs(wt)
+                drag = (cn * wn[0] + ct * wt * t[0], cn * wn[1] + ct * wt * t[1], cn * wn[2] + ct * wt * t[2])
+                moved = dot(drag, stream)
+                out[P_CURRENT] += moved
+                out[P_WAVE] += dot(drag, vec(u, p)) - moved
+                out[P_DRAG] -= dot(drag, w)
+                out[P_WAVE] += phi * ((mf + mn) * dot(flow, vel) + dm * dot(flow, t) * vt)
+                out[P_ADDED] -= phi * (mn * dot(acc, vel) + dm * dot(acc, t) * vt)
+            z, zx, zy = bed_height(bed, grid, here[0], here[1])
+            if here[2] >= z:
+                continue
+            pressed, up, stiff, _ = touch(z, zx, zy, bed[3], 0.0, here, vel, P[e, BED])
+            lift, _, _, _ = touch(z, zx, zy, bed[3], bed[4], here, vel, P[e, BED])
+            if stiff > 0.0:
+                out[E_SEABED] += 0.5 * pressed * pressed / stiff
+            out[E_SEABED + 1] -= pressed * dot(up, vel)
+            out[P_CONTACT] += (lift - pressed) * dot(up, vel)
+            if rough and lift > 0.0 and P[e, MU_A] + P[e, MU_N] > 0.0:
+                h = 2 * e + k
+                q, _, _, _, _ = friction(here, up, vec(stick, h), (stick[h, 3], stick[h, 4], stick[h, 5]), bed[5],
+                                         P[e, MU_A], P[e, MU_N])  # fmt: skip
+                out[P_FRICTION] -= lift * dot(q, vel)

@@ -20,7 +20,7 @@ from floatsim.frames import Array, at, cross, dot, minus, plus, rotate, times, u
 from floatsim.jit import kernel
 from floatsim.laws.angle import half_angle_squared
 from floatsim.laws.moment_table import pad_tables, pair_table
-from floatsim.parts.bending import bend, blocks, table_slopes
+from floatsim.parts.bending import bend, blocks, pair_powers, table_slopes
 from floatsim.parts.line import Line
 from floatsim.parts.part import Part
 
@@ -123,6 +123,24 @@ def _apply(Kb, Cb, dda, ddb, dva):  # type: ignore[no-untyped-def]
     return (y0, y1, y2, y3, y4, y5)
 
 
+@kernel
+def end_powers(x, R, v, where, E, tables, out):  # type: ignore[no-untyped-def]
+    """out: energy of all clamped ends, its rate, power of the dampers."""
+    out[0] = out[1] = out[2] = 0.0
+    for e in range(where.shape[0]):
+        if E[e, 0] == 0.0 and E[e, 1] == 0.0:
+            continue
+        k, p0, p1 = where[e, 0], where[e, 1], where[e, 2]
+        ta = rotate(R, k, (E[e, 2], E[e, 3], E[e, 4]))
+        va = cross(at(v, 3 * (x.shape[0] + k)), ta)
+        db, vb = minus(vec(x, p1), vec(x, p0)), minus(at(v, 3 * p1), at(v, 3 * p0))
+        ib = 1.0 / math.sqrt(dot(db, db))
+        U, rate, P = pair_powers(E[e, 0], E[e, 1], tables, where[e, 3], ta, 1.0, times(ib, db), ib, va, vb)
+        out[0] += U
+        out[1] += rate
+        out[2] += P
+
+
 class EndBendingBatch:
     """All clamped line ends of a system."""
 
@@ -185,3 +203,10 @@ class EndBendingBatch:
             self.E[:, :2] = np.where(w.cut[self.where[:, 1], None], 0.0, self._whole)
         end_bending(w.x, w.R, w.v, w.c, self.where, self.E, self.tables, self._slots, self._Kb,
                     self._Cb, self._K, w.A, w.r, w.s, self.moment)  # fmt: skip
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """Energy of the bent ends and work of their dampers."""
+        y = np.zeros(3)
+        end_powers(w.x, w.R, w.v, self.where, self.E, self.tables, y)
+        book.store("bending", y[0], y[1])
+        book.work("structural", y[2])

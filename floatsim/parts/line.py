@@ -16,16 +16,21 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from floatsim.description import Items, Name, Vector3
-from floatsim.errors import ModelError, nearest
+from floatsim.errors import CaseError, ModelError, nearest
 from floatsim.frames import Array
 from floatsim.laws.engineering import Engineering
 from floatsim.laws.moment_table import MomentTable, pad_tables, pair_table
 from floatsim.parts.attachment import LineLoad
-from floatsim.parts.bending import line_bending
+from floatsim.parts.bending import bending_powers, line_bending
 from floatsim.parts.element import (
     CA,
     COLUMNS,
     DRY,
+    E_AXIAL,
+    E_GRAVITY,
+    E_HYDROSTATIC,
+    E_KINETIC,
+    E_SEABED,
     ENGINEERING,
     GRAVITY,
     GREEN,
@@ -34,6 +39,15 @@ from floatsim.parts.element import (
     LIVE,
     MU_A,
     MU_N,
+    P_ADDED,
+    P_CONTACT,
+    P_CURRENT,
+    P_DRAG,
+    P_FRICTION,
+    P_STRUCTURAL,
+    P_SURFACE,
+    P_WAVE,
+    POWERS,
     SPECIAL,
     WATER,
     drag_stick_points,
@@ -41,6 +55,7 @@ from floatsim.parts.element import (
     expected_tension,
     largest_turn,
     line_elements,
+    line_powers,
     step_error,
     stretches,
     tensions,
@@ -610,6 +625,35 @@ class LineBatch:
             if where.start <= pair < where.stop:
                 return f"{line.name}', node '{pair - where.start + 1}"
         return "?"
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """Energies and powers of all lines."""
+        y, z = np.zeros(POWERS), np.zeros(3)
+        line_powers(w.x, w.v, w.a, w.u, w.du, w.eta, book.current, self.nodes, self.P, self.env, self.bed, self.grid,
+                    self.rough, self._stick, y)  # fmt: skip
+        if self.laws:
+            self._special(w.x, w.v)
+        for law, index, _, new, (s, rate, out) in self.laws:
+            if not hasattr(law, "energy"):
+                raise CaseError(f"energy: the axial law {type(law).__name__} does not tell its energy (`energy`)")
+            U, lost = law.energy(s, new)
+            l0 = self.P[index, L0] * self.P[index, LIVE]
+            damped = lost + out[2] * rate**2
+            y[E_AXIAL] += l0 @ U
+            y[E_AXIAL + 1] += l0 @ (out[0] * rate - damped)
+            y[P_STRUCTURAL] -= l0 @ damped
+        if len(self._bend_slots):
+            bending_powers(w.x, w.v, self.pairs, self.B, self.tables, z)
+        book.store("kinetic", y[E_KINETIC], y[E_KINETIC + 1])
+        book.store("gravity", y[E_GRAVITY], y[E_GRAVITY + 1])
+        book.store("hydrostatic", y[E_HYDROSTATIC], y[E_HYDROSTATIC + 1])
+        book.store("axial", y[E_AXIAL], y[E_AXIAL + 1])
+        book.store("bending", z[0], z[1])
+        book.store("seabed", y[E_SEABED], y[E_SEABED + 1])
+        book.work("structural", y[P_STRUCTURAL] + z[2])
+        for name, at in (("wave", P_WAVE), ("current", P_CURRENT), ("drag", P_DRAG), ("added_mass", P_ADDED),
+                         ("surface", P_SURFACE), ("contact", P_CONTACT), ("friction", P_FRICTION)):  # fmt: skip
+            book.work(name, y[at])
 
     def tension(self, w: Any) -> Array:
         """Effective tension of all elements [N], shape (n_elements of all lines,), before the step is committed."""

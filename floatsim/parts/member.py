@@ -440,6 +440,71 @@ def member_loads(x, R, v, a, u, du, eta, c, where, first, P, gravity, slots, K, 
 
 
 @kernel
+def strip_energy(z, e_z, r, half, soft):  # type: ignore[no-untyped-def]
+    """U/(rho g V) [m] of a strip, arguments as of `wetness`: the mean of - h (y f - g)."""
+    h = r * math.sqrt(1.0 + soft * soft - e_z * e_z)
+    kappa = e_z / h
+    y1, y2 = z / h - kappa * half, z / h + kappa * half
+    if abs(kappa * half) < FLAT:
+        mean = 0.0
+        for i in range(5):
+            y = z / h + kappa * _NODES[i] * half
+            f, g, _, _ = _segment(y)
+            mean += 0.5 * _WEIGHTS[i] * (y * f - g)
+        return -h * mean
+    f1, g1, k1, _ = _segment(y1)
+    f2, g2, k2, _ = _segment(y2)
+    return -h * (0.5 * (y2 * y2 * f2 + k2 - y1 * y1 * f1 - k1) - y2 * g2 + y1 * g1) / (2.0 * kappa * half)
+
+
+@kernel
+def member_powers(x, R, v, a, u, du, eta, current, where, first, P, gravity, out):  # type: ignore[no-untyped-def]
+    """out (6): energy of buoyancy in still water and its rate, powers of wave, current, drag and added mass.
+
+    current (strips, 3): the part of u that is no wave's; the rest as in `member_loads`.
+    """
+    base = 3 * x.shape[0]
+    for i in range(6):
+        out[i] = 0.0
+    for b in range(where.shape[0]):
+        p, k = where[b, 0], where[b, 1]
+        vel, omega, acc, alpha = at(v, 3 * p), at(v, base + 3 * k), at(a, 3 * p), at(a, base + 3 * k)
+        for e in range(first[b], first[b + 1]):
+            arm, axis = rotate(R, k, _column(P, ARM, e)), rotate(R, k, _column(P, AXIS, e))
+            r, half, soft, V = P[RADIUS, e], P[HALF, e], P[SOFT, e], P[PRESSED, e]
+            spin = cross(omega, arm)
+            own = plus(vel, spin)
+            z, turn = x[p, 2] + arm[2], dot(omega, cross(axis, (0.0, 0.0, 1.0)))
+            phi, lever, _, _, _ = wetness(z - eta[e], axis[2], r, half, soft)
+            still, still_lever, _, _, _ = wetness(z, axis[2], r, half, soft)
+            level = gravity * V * (still * own[2] + still_lever * turn)
+            out[0] += gravity * V * strip_energy(z, axis[2], r, half, soft)
+            out[1] -= level
+            out[2] += gravity * V * (phi * own[2] + lever * turn) - level
+            if phi <= 0.0:
+                continue
+            here = plus(acc, plus(cross(alpha, arm), cross(omega, spin)))
+            flow, w = vec(du, e), minus(vec(u, e), own)
+            cn, ct, mn, mt = phi * P[DRAG_N, e], phi * P[DRAG_T, e], phi * P[ADDED_N, e], phi * P[ADDED_T, e]
+            wt = dot(w, axis)
+            wn = minus(w, times(wt, axis))
+            if P[SPLIT, e] > 0.0:
+                d1 = rotate(R, k, _column(P, SIDE, e))
+                d2 = cross(axis, d1)
+                w1, w2 = dot(w, d1), dot(w, d2)
+                drag = plus(times(cn * abs(w1) * w1, d1), times(cn * abs(w2) * w2, d2))
+            else:
+                drag = times(cn * math.sqrt(dot(wn, wn)), wn)
+            drag = plus(drag, times(ct * abs(wt) * wt, axis))
+            moved = dot(drag, vec(current, e))
+            out[2] += dot(drag, vec(u, e)) - moved
+            out[2] += dot(plus(_split(mn, mt, axis, flow), times(phi * V, flow)), own)
+            out[3] += moved
+            out[4] -= dot(drag, w)
+            out[5] -= dot(_split(mn, mt, axis, here), own)
+
+
+@kernel
 def strips_ahead(x, q, v, a, t, where, first, P, R, out):  # type: ignore[no-untyped-def]
     """out (strips, 3): where the strips will be after t if accelerations stay. Scratch: R (1, 3, 3)."""
     base = 3 * x.shape[0]
@@ -524,6 +589,17 @@ class MemberBatch:
     def measure(self, w: Any, out: Array) -> None:
         """Of the state last evaluated."""
         out[:] = self.load[:, :6].ravel()
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """Buoyancy in still water is a store; all that the waves change is their work."""
+        n = self.P.shape[1]
+        current, y = np.zeros((n, 3)), np.zeros(6)
+        self._still.move(self.x, w.t, current, np.zeros((n, 3)), np.zeros(n))
+        member_powers(w.x, w.R, w.v, w.a, self.u, self.du, self.eta, current, self.where, self.first, self.P,
+                      self.gravity, y)  # fmt: skip
+        book.store("hydrostatic", y[0], y[1])
+        for k, name in enumerate(("wave", "current", "drag", "added_mass")):
+            book.work(name, y[2 + k])
 
     def buoyancy(self, name: str) -> float:
         """Hydrostatic lift [N] of the members of body `name` where they were last evaluated; 0 if it has none."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from floatsim.description import NonNegative, Positive
 from floatsim.frames import Array, at, dot, minus, vec
 from floatsim.jit import kernel
-from floatsim.parts.attachment import point_loads, sphere_height
+from floatsim.parts.attachment import book_points, point_loads, sphere_height
 from floatsim.parts.point_mass import PointMass
 from floatsim.sea.seabed import DAMPING, SLIP, STIFFNESS, bed_height, friction, in_plane, touch
 
@@ -99,6 +99,25 @@ def drag_points(x, v, points, area, bed, grid, stick):  # type: ignore[no-untype
             stick[e, m] = here[m] - left * u[m]
 
 
+@kernel
+def contact_powers(x, v, points, area, bed, grid, mu, stick, out):  # type: ignore[no-untyped-def]
+    """out: energy of the bed and its rate, powers of its damper and of friction."""
+    out[0] = out[1] = out[2] = out[3] = 0.0
+    for e in range(points.shape[0]):
+        p = points[e]
+        here, vel = vec(x, p), at(v, 3 * p)
+        z, zx, zy = bed_height(bed, grid, here[0], here[1])
+        pressed, up, stiff, _ = touch(z, zx, zy, bed[STIFFNESS], 0.0, here, vel, area[e])
+        lift, _, _, _ = touch(z, zx, zy, bed[STIFFNESS], bed[DAMPING], here, vel, area[e])
+        if stiff > 0.0:
+            out[0] += 0.5 * pressed * pressed / stiff
+        out[1] -= pressed * dot(up, vel)
+        out[2] += (lift - pressed) * dot(up, vel)
+        if mu > 0.0 and lift > 0.0:
+            q, _, _, _, _ = friction(here, up, vec(stick, e), _ANY, bed[SLIP], mu, mu)
+            out[3] -= lift * dot(q, vel)
+
+
 class PointBuoyBatch:
     """All point floaters and sinkers of a system. Memory: the points (n, 3) where the bed holds them."""
 
@@ -145,3 +164,12 @@ class PointBuoyBatch:
                     w.A, w.r, w.s)  # fmt: skip
         point_contacts(w.x, w.v, w.c, self.points, self.area, self.bed, self.grid, self.mu, self.stick, self._slots,
                        w.A, w.r, w.s)  # fmt: skip
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """As of points, and the bed under them."""
+        book_points(w, book, self.points, self.P, self.rho, self.gravity)
+        y = np.zeros(4)
+        contact_powers(w.x, w.v, self.points, self.area, self.bed, self.grid, self.mu, self.stick, y)
+        book.store("seabed", y[0], y[1])
+        book.work("contact", y[2])
+        book.work("friction", y[3])

@@ -72,3 +72,10 @@ class PointMassBatch:
 
     def add(self, w: Any) -> None:
         point_masses(w.a, w.c, self.points, self.P, self._slots, w.A, w.r, w.s)
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """T = m v^2/2, U = m g z."""
+        m, g = self.P.T
+        v, a = (y[: 3 * len(w.x)].reshape(-1, 3)[self.points] for y in (w.v, w.a))
+        book.store("kinetic", 0.5 * m @ (v * v).sum(axis=1), m @ (v * a).sum(axis=1))
+        book.store("gravity", (m * g) @ w.x[self.points, 2], (m * g) @ v[:, 2])

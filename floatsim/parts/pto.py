@@ -272,3 +272,18 @@ class PTOBatch:
                 values = group.tell(now)
                 out[n : n + len(values)] = values
                 n += len(values)
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """Of the state last evaluated. Springs are stores where laws know their potential, dry friction is friction;
+        all other laws, and what they hold in states of their own, are accounted for at the port."""
+        for part, s, v, F in zip(self.parts, self.now.s, self.now.v, self.F[0], strict=True):
+            for law in part.laws:
+                if hasattr(law, "potential"):
+                    U, spring = law.potential(float(s))
+                    book.store("spring", U, -spring * v)
+                    F -= spring
+                if hasattr(law, "dry"):
+                    rubbing = law.dry(float(v))
+                    book.work("friction", rubbing * v)
+                    F -= rubbing
+            book.work("pto", F * v)

@@ -161,3 +161,18 @@ class SpringBatch:
 
     def add(self, w: Any) -> None:
         springs(w.x, w.R, w.v, w.c, self.where, self.arms, self.P, self._slots, self._K, w.A, w.r, w.s, self.force)
+
+    def ledger(self, w: Any, book: Any) -> None:
+        """U = k (l - l_free)^2/2, nothing for a slack one that only pulls; the rest of the force is the damper's."""
+        n = len(w.x)
+        springs = zip(self.where, self.arms, self.P.T, self.force, strict=True)
+        for (pa, ra, pb, rb), arms, (k, _, free, pulls), F in springs:
+            aa, ab = w.R[ra] @ arms[:3], w.R[rb] @ arms[3:]
+            va, vb = (w.v[3 * p : 3 * p + 3] + np.cross(w.v[3 * (n + r) : 3 * (n + r) + 3], y)
+                      for p, r, y in ((pa, ra, aa), (pb, rb, ab)))  # fmt: skip
+            d = w.x[pb] + ab - w.x[pa] - aa
+            l = float(np.linalg.norm(d))
+            rate = d @ (vb - va) / l if l > 0.0 else 0.0
+            e = 0.0 if pulls and l < free else l - free
+            book.store("spring", 0.5 * k * e * e, k * e * rate)
+            book.work("pto", (k * e - F) * rate)

@@ -12,4 +12,6 @@ A law is a description with `group()`: the class that evaluates all laws of its 
     signals() -> [(law, suffix, long name, units)], tell(now) -> values      optional: what else it has to tell
     error(now) -> float                                                  optional: local error over what is allowed
     start(t, s) -> array, commit(now) -> bool                            optional: its memory; True: the force jumps
+
+and for the energy ledger, if it has them: `potential(s)`, (energy, force) of its spring; `dry(v)`, force of friction.
 """

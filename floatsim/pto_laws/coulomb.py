@@ -43,3 +43,7 @@ class Coulomb(Description):
 
     def row(self) -> tuple[float, ...]:
         return self.friction, self.speed
+
+    def dry(self, v: float) -> float:
+        """Force of friction [N]."""
+        return -self.friction * math.tanh(v / self.speed)

@@ -69,3 +69,9 @@ class EndStop(Description):
 
     def row(self) -> tuple[float, ...]:
         return *self.begins(), self.stiffness, self.damping
+
+    def potential(self, s: float) -> tuple[float, float]:
+        """(energy [J], force [N]) of the spring."""
+        low = min(s - self.lower, 0.0) if self.lower is not None else 0.0
+        high = max(s - self.upper, 0.0) if self.upper is not None else 0.0
+        return 0.5 * self.stiffness * (low * low + high * high), -self.stiffness * (low + high)

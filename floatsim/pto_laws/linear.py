@@ -41,3 +41,8 @@ class Linear(Description):
 
     def row(self) -> tuple[float, ...]:
         return self.stiffness, self.damping, self.preload, self.free_position
+
+    def potential(self, s: float) -> tuple[float, float]:
+        """(energy [J], force [N]) of the spring."""
+        y = s - self.free_position
+        return 0.5 * self.stiffness * y * y - self.preload * y, self.preload - self.stiffness * y

@@ -31,6 +31,13 @@ def one_sided(P, which, s, v, F):  # type: ignore[no-untyped-def]
         F[2, e] -= c
 
 
+def one_sided_potential(row: tuple[float, ...], s: float) -> tuple[float, float]:
+    """(energy, force) of the spring with these parameters."""
+    k, _, s0, sign = row
+    e = max(sign * (s - s0), 0.0)
+    return 0.5 * k * e * e, -sign * k * e
+
+
 class _OneSided(Description):
     stiffness: Positive
     damping: NonNegative = 0.0
@@ -43,6 +50,13 @@ class _OneSided(Description):
     @staticmethod
     def kernel() -> Any:
         return one_sided
+
+    def row(self) -> tuple[float, ...]:
+        raise TypeError("a law names its parameters")
+
+    def potential(self, s: float) -> tuple[float, float]:
+        """(energy [J], force [N]) of the spring."""
+        return one_sided_potential(self.row(), s)
 
 
 class TensionOnly(_OneSided):

@@ -65,3 +65,9 @@ class Polynomial(Description):
 
     def row(self) -> tuple[float, ...]:
         return float(len(self.stiffness)), float(len(self.damping)), self.free_position, *self.stiffness, *self.damping
+
+    def potential(self, s: float) -> tuple[float, float]:
+        """(energy [J], force [N]) of the spring."""
+        y, orders = s - self.free_position, range(1, len(self.stiffness) + 1)
+        terms = list(zip(self.stiffness, orders, strict=True))
+        return sum(k * y ** (n + 1) / (n + 1) for k, n in terms), -sum(k * y**n for k, n in terms)

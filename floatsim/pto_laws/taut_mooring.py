@@ -10,7 +10,7 @@ from typing import Any
 
 from floatsim.description import Description, NonNegative, Positive
 from floatsim.pto_laws.law import Contacts
-from floatsim.pto_laws.one_sided import one_sided
+from floatsim.pto_laws.one_sided import one_sided, one_sided_potential
 
 
 class TautMooring(Description):
@@ -40,3 +40,7 @@ class TautMooring(Description):
     def row(self) -> tuple[float, ...]:
         k = self.EA / self.length
         return k, self.damping, -self.pretension / k, 1.0
+
+    def potential(self, s: float) -> tuple[float, float]:
+        """(energy [J], force [N]) of the line."""
+        return one_sided_potential(self.row(), s)

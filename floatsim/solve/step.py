@@ -18,6 +18,7 @@ is a value with a reason, never a result.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -141,6 +142,7 @@ class Stepper:
         self._expected = 2  # iterations of a step
         self._curve, self._unseen = 1.0, TRUSTED  # C = r_k/r_{k-1}^2 as last seen, and steps since
         self._scaled_for = 0.0
+        self.watch: Any = None  # looks at every accepted step before it is committed: study/energy.py
 
     # -- one step -----------------------------------------------------------------------------
 
@@ -155,6 +157,8 @@ class Stepper:
         w, sys, sch = self.work, self.system, self.scheme
         if sys.switch(state) or state.step == 0.0:
             self.start(state, h)
+            if self.watch is not None:
+                self.watch.afresh(w, state)
         if state.step != h:
             # aux belongs to t + (am - af) h: move it along the true acceleration's slope. What velocities
             # leave open of the constraints goes with h^2 (see `start`); left alone, a multiplier errs by O(h)
@@ -178,6 +182,8 @@ class Stepper:
             report = StepReport(good, report.iterations, h, report.residual, why, error)
         w.controlled = control is not None
         if report.converged:
+            if self.watch is not None:
+                self.watch.step(w)
             sys.commit(w, state)
             state.t += h
             for name in ("x", "q", "v", "a", "aux", "lam"):

@@ -189,12 +189,13 @@ class Sampler:
     """Chosen channels of a system and their samples.
 
     names: 'all' or channel names; the order of the file is the system's own. `channels`, `coordinates` and `width`
-    describe a sample for `store.Writer`. Raises CaseError for names that do not exist, with the nearest that does.
+    describe a sample for `store.Writer`. more: what tells outputs besides the system's batches. Raises CaseError for
+    names that do not exist, with the nearest that does.
     """
 
-    def __init__(self, system: System, names: str | Sequence[str] = "all") -> None:
+    def __init__(self, system: System, names: str | Sequence[str] = "all", more: Sequence[Any] = ()) -> None:
         self.system = system
-        self._sources = _Sources(system)
+        self._sources = _Sources(system, more)
         entries: dict[str, _Entry] = {}
         self._coordinates: list[Coordinate] = []
         for channel, index, weight, offset in self._everything():
@@ -394,11 +395,11 @@ class Sampler:
 class _Sources:
     """The vector that samples are taken from, and where in it everything stands."""
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, more: Sequence[Any]) -> None:
         batches, con = system.batches, system.constraints
         self._lines = next((b for b in batches if isinstance(b, LineBatch)), None)
         self._clamps = next((b for b in batches if isinstance(b, EndBendingBatch)), None)
-        self._tell = [b for b in batches if hasattr(b, "outputs")]
+        self._tell = [*(b for b in batches if hasattr(b, "outputs")), *more]
         self._constraints = con
         lines: tuple[Line, ...] = self._lines.parts if self._lines else ()
         clamps = self._clamps.parts if self._clamps else ()

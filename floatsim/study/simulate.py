@@ -25,6 +25,7 @@ from floatsim.solve.scheme import Scheme
 from floatsim.solve.static import solve_static
 from floatsim.solve.step import TOLERANCE, Stepper
 from floatsim.study.channels import Sampler
+from floatsim.study.energy import Energy, Ledger
 from floatsim.study.store import Writer, check_path
 from floatsim.system.state import State
 from floatsim.system.system import System, assemble
@@ -44,7 +45,8 @@ class Run:
     """How a run went and where its results are.
 
     status: 'done' or 'failed' (then `failure` says why). state: the last good one. time (n,) [s] and
-    rows (n, width) hold the results of a run without a file; `series(name)` gives one channel of either.
+    rows (n, width) hold the results of a run without a file; `series(name)` gives one channel of either. energy: the
+    ledger of a run with energy=True; `print(run.energy.summary())`.
     """
 
     status: Literal["done", "failed"]
@@ -58,6 +60,7 @@ class Run:
     time: Array = field(repr=False)
     rows: Array = field(repr=False)
     sampler: Sampler = field(repr=False)
+    energy: Energy | None = None
 
     @property
     def simulated_time(self) -> float:
@@ -81,7 +84,7 @@ class Run:
 
         if self.path is not None:
             return xarray.load_dataset(self.path)
-        return self.sampler.dataset(self.time, self.rows)
+        return self.sampler.dataset(self.time, self.rows, self.energy.attributes() if self.energy else None)
 
 
 MAX_STEPS = 1e12  # in a run; more is a slip of the pen
@@ -142,6 +145,7 @@ def simulate(
     state: State | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
     progress: Progress | None = None,
+    energy: bool = False,
 ) -> Run:
     """Integrate from the static equilibrium, or from `state`, for `duration` [s].
 
@@ -150,6 +154,8 @@ def simulate(
     tension so far), not only those that fail to converge; without lines it has nothing to look at.
     output: netCDF file to stream to; without one the results stay in memory. channels, precision: what is kept and
     how. progress(t, newton_iterations) is called about ten times a second.
+    energy: keep the energy ledger (study/energy.py), as channels energy_... [J], in the file's attributes and as
+    `run.energy`.
 
     Raises CaseError for bad input (before anything is written) and SolveFailed if there is no equilibrium to start
     from. A run that cannot go on returns with status 'failed'.
@@ -165,7 +171,10 @@ def simulate(
     if state is not None and (state.x.shape != system.x0.shape or len(state.lam) != system.n_con):
         raise CaseError(f"state: it belongs to another system than '{system.model.name}'")
     stepper = Stepper(system, scheme, tolerance)
-    sampler = Sampler(system, channels)
+    if not isinstance(energy, bool | np.bool_):
+        raise CaseError(f"energy: got {energy!r}; must be True or False")
+    ledger = Ledger(system) if energy else None
+    sampler = Sampler(system, channels, [ledger] if ledger else [])
     if state is None:
         now, _ = solve_static(system)
     else:
@@ -180,6 +189,9 @@ def simulate(
         first = now.copy()
         stepper.start(first, 1e-6 * h)
         stepper.start(now, h)
+    if ledger is not None:
+        ledger.start(stepper.work, now)
+        stepper.watch = ledger
     case: dict[str, str | int | float] = {
         "title": system.model.name, "water_depth": sea.depth, "floatsim_version": __version__,
         **seed_of(sea.waves), **(attributes or {}),
@@ -210,7 +222,7 @@ def simulate(
             if progress is not None and clock.perf_counter() - shown > 0.1:
                 shown = clock.perf_counter()
                 progress(now.t - t0, loop.iterations)
-        store.close("failed" if failure else "done", failure)
+        store.close("failed" if failure else "done", failure, ledger.result().attributes() if ledger else None)
     except BaseException as error:
         said = "interrupted" if isinstance(error, KeyboardInterrupt) else f"{type(error).__name__}: {error}"
         store.close("failed", f"at t = {now.t:.6g} s: {said}")
@@ -224,7 +236,7 @@ def simulate(
         path, rows = store.path, np.zeros((0, sampler.width))
         times = np.asarray(t0 + interval * np.arange(loop.outputs + 1), dtype=np.float64)
     return Run("failed" if failure else "done", failure, now, loop.steps, loop.cuts, loop.iterations, wall, path,
-               times, rows, sampler)  # fmt: skip
+               times, rows, sampler, ledger.result() if ledger else None)  # fmt: skip
 
 
 def _check_waves(waves: Realisation, duration: float, h: float) -> None:
@@ -268,7 +280,7 @@ class _Memory:
         self.times[self.count], self.rows[self.count] = time, values
         self.count += 1
 
-    def close(self, status: str, failure: str = "") -> None:
+    def close(self, status: str, failure: str = "", attributes: Mapping[str, str | float] | None = None) -> None:
         """Nothing to close."""
 
 

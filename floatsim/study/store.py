@@ -205,14 +205,17 @@ class Writer:
             self._held, self._written = 0, start + n
         self._due = clock.monotonic() + SECONDS
 
-    def close(self, status: Literal["done", "failed"], failure: str = "") -> None:
+    def close(
+        self, status: Literal["done", "failed"], failure: str = "",
+        attributes: Mapping[str, str | float] | None = None,
+    ) -> None:  # fmt: skip
         """Write what is left, state how the run ended and close. Does nothing on a closed file."""
         if not self._file.isopen():
             return
         try:
             self.flush()
             with self._naming_path("could not be finished"):
-                self._file.setncatts({"status": status, "failure": failure})
+                self._file.setncatts({"status": status, "failure": failure, **(attributes or {})})
         finally:
             with self._naming_path("could not be finished"):
                 self._file.close()

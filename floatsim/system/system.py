@@ -23,6 +23,8 @@ What a batch offers the system (the protocol; a part's description names its bat
                                 step is accepted
     keep(state, before, after)  optional: what of the memory `before` outlives a new equilibrium
     outputs() -> [Output]       optional: what it has to tell, written for every sample by measure(work, out)
+    ledger(work, book)          optional: energies and powers of the accepted step in `work`, not yet committed
+                                (study/energy.py)
     unused(history)             optional: before the first equilibrium nothing was ever loaded, however it is drawn
     rows(coordinates) -> {name: [row]}, hold(constraints, joint_rows), engage_all(history), switch(state, history),
     struck(history, lost)       optional, of locks (joints/lock.py): constraint rows of their own; which they are; all
