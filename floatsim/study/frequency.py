@@ -184,10 +184,11 @@ def _settle(linear: _Linear, density: Array | None) -> tuple[Complex, Complex, i
     weight = np.sqrt(np.gradient(omega) * density)
     sea = _gaussian(len(omega)) * weight
     before = np.zeros(0)
+    still = 1e-6 * float(np.linalg.norm(weight * omega))  # of the surface's own velocity: what moves less stands still
     for rounds in range(1, MAX_ROUNDS + 1):
         velocity = 1j * omega[:, None] * motion
         sigma = np.sqrt(np.sum((weight[:, None] * np.abs(velocity)) ** 2, axis=0))
-        if rounds > 1 and np.abs(sigma - before).max() <= _SETTLED * sigma.max():
+        if rounds > 1 and np.abs(sigma - before).max() <= _SETTLED * max(sigma.max(), still):
             return motion, lam, rounds
         before = sigma
         V = (sea @ velocity).real
