@@ -20,8 +20,8 @@ app = typer.Typer(
 
 hydro = typer.Typer(
     no_args_is_help=True,
-    help="Hydrodynamic databases of floaters: check, draw, convert. FILE is netCDF of floatsim or Capytaine, HDF5 of "
-    "BEMIO, a folder of Nemoh or HAMS, or name.1 of WAMIT.",
+    help="Hydrodynamic databases of floaters: compute, check, draw, convert. FILE is netCDF of floatsim or Capytaine, "
+    "HDF5 of BEMIO, a folder of Nemoh or HAMS, or name.1 of WAMIT.",
 )  # fmt: skip
 app.add_typer(hydro, name="hydro")
 
@@ -359,6 +359,40 @@ def hydro_convert(
             typer.echo(f"warning: {finding.quantity}: {finding.message}", err=True)
     db.write(output)
     typer.echo(f"wrote {output}")
+
+
+@hydro.command("compute")
+def hydro_compute(
+    script: Script,
+    p: Parameters = [],  # noqa: B006
+    output: Annotated[str | None, typer.Option("-o", help="Database (netCDF) to write.")] = None,
+    omega: Annotated[
+        str, typer.Option(metavar="START:END:STEP", help="Frequencies in rad/s; or values parted by commas.")
+    ] = "0.05:3:0.05",
+    headings: Annotated[
+        str, typer.Option(metavar="START:END:STEP", help="Towards which waves travel: DEGREES from the drawn heading.")
+    ] = "0:350:10",
+    nemoh: Annotated[str | None, typer.Option(help="Folder to write for Nemoh, to be run elsewhere, instead.")] = None,
+    body: Annotated[list[str], typer.Option(help="Body to compute; repeatable. Default: all that have a Hull.")] = [],  # noqa: B006
+) -> None:
+    """Compute the database of the bodies that have a Hull, with Capytaine, at their static position.
+
+    Statics with everything in the model find where the bodies float; their meshes are cut at the waterline and covered
+    by lids. The database carries its pose.
+    """
+    from floatsim.study.hydro_compute import compute_command
+    from floatsim.study.script import load_model, parse_parameters
+
+    values, live = parse_parameters(p), sys.stderr.isatty()
+
+    def report(line: str) -> None:
+        progress = line[:1].isdigit()
+        typer.echo(f"\r{line}   " if progress and live else line if progress else f"warning: {line}",
+                   nl=not (progress and live), err=True)  # fmt: skip
+
+    compute_command(lambda: load_model(script, values), omega, headings, output, nemoh, body, report)
+    if nemoh is not None:
+        typer.echo(f"wrote {nemoh}: run Nemoh there, then read its results with 'floatsim hydro convert {nemoh}'")
 
 
 def _say_run(console: Any, result: Any) -> None:

@@ -94,7 +94,7 @@ def compute_database(
     (what had to be taken away likewise). Raises ModelError if Capytaine is missing, a mesh has gaps or is turned inside
     out, the frequencies are too low for the depth, or a linear system cannot be solved.
     """
-    capytaine = _capytaine()
+    capytaine = load_capytaine()
     symmetry = symmetry or Symmetry()
     omega, headings = np.asarray(omega, dtype=float), np.asarray(headings, dtype=float)
     operations = symmetry.operations()
@@ -171,7 +171,8 @@ def write_checked(db: HydroDatabase, path: str | Path) -> None:
     print(f"{path}: {Path(path).stat().st_size / 1e6:.3f} MB")
 
 
-def _capytaine() -> Any:
+def load_capytaine() -> Any:
+    """The package, quiet. Raises ModelError naming the extra if it is not installed."""
     try:
         import capytaine
     except ImportError:

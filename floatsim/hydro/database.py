@@ -163,6 +163,13 @@ class HydroDatabase:
                 problems.append(f"{label}: volume of '{name}' is {volume}, must be positive")
         return problems
 
+    @property
+    def static_attitude_deg(self) -> NDArray[np.float64] | None:
+        """Roll, pitch and yaw (N, 3) of the bodies, reference points where `reference_point` says, in a database that
+        was computed at their static position; None for one computed as drawn."""
+        angles = self.source.get("static_attitude_deg")
+        return None if angles is None else np.reshape(np.asarray(angles, dtype=np.float64), (len(self.bodies), 3))
+
     def index(self, body: str | int) -> int:
         """Place of a body among `bodies`, given by name or index. Raises ModelError if there is none."""
         if body in self.bodies:
@@ -392,7 +399,9 @@ def require_match(
         problems.append(
             f"hydrodynamic database '{db.name}': reference point{of} is {_point(db.reference_point[body])} m, "
             f"the body's is {_point(point)} m (allowed difference 0.01 m); move the body's or recompute"
-        )
+            + (" (computed where the body floats: draw it there, or let its hull find it: PotentialFlow(hull=...))"
+               if db.static_attitude_deg is not None else "")
+        )  # fmt: skip
     if problems:
         raise ModelError(problems)
 

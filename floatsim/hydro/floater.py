@@ -17,7 +17,9 @@ Floaters whose descriptions share one database of N bodies feel each other's wav
 and F those of all of them, one after the other, in the frame of their common heading. They must be drawn as far from
 each other as in the database; as they move, the coefficients stay those of the drawing positions.
 
-With `hull` the buoyancy wrench, C and the Froude-Krylov part of X are left out: the mesh brings them, nonlinear.
+With `hull` the buoyancy wrench, C and the Froude-Krylov part of X are left out: the mesh brings them, nonlinear. The
+database may then be one computed where the body floats (it carries its pose): A, B and diffraction are about the
+displaced reference point, wherever it was drawn.
 
 Tilt and yaw: the body yaws first, then tilts by an angle about one horizontal axis, the tilt vector. For small angles
 that is the rotation vector; but the rotation vector of a body yawed by psi and tilted lies psi/2 off the axis of the
@@ -146,6 +148,11 @@ class PotentialFlow(Description):
                 f"{nearest(self.body, known)}"
             )
         return self.data.index(self.body)
+
+    @property
+    def finds_pose(self) -> bool:
+        """Whether statics on a hull find the position that the database was computed at, however the body is drawn."""
+        return self.hull is not None and self.data.static_attitude_deg is not None
 
     def files(self) -> list[str | Path]:
         """Files its numbers come from."""
@@ -427,7 +434,7 @@ def _misplaced(label: str, db: HydroDatabase, start: Floater, part: Floater) -> 
     x, y = (db.reference_point[k] - db.reference_point[i])[:2]
     want = np.array([co * x - si * y, si * x + co * y])
     got = np.subtract(part.body.position, start.body.position)[:2]
-    if i == k or np.linalg.norm(got - want) <= 0.01:
+    if i == k or np.linalg.norm(got - want) <= 0.01 or start.flow.finds_pose and part.flow.finds_pose:
         return []
     return [
         f"{label}: '{part.body.name}' is drawn ({got[0]:.6g}, {got[1]:.6g}) m from '{start.body.name}', horizontally; "
@@ -470,7 +477,9 @@ class FloaterBatch:
             db, k = flow.data, flow.index
             heading = math.radians(body.attitude_deg[2])
             try:
-                point = (*db.reference_point[k, :2], body.position[2])  # still water is the same everywhere
+                point = db.reference_point[k].copy()  # still water is the same everywhere
+                if not flow.finds_pose:
+                    point[2] = body.position[2]
                 require_match(
                     db, depth=sea.depth, reference_point=point, density=sea.density, gravity=gravity, body=k
                 )

@@ -24,6 +24,7 @@ from floatsim.description import Description, Positive, Vector3
 from floatsim.errors import ModelError
 from floatsim.frames import Array, matrix_from_angles
 from floatsim.hydro.froude_krylov import HullLoads
+from floatsim.hydro.meshing import hydrostatics_of
 from floatsim.parts.part import Part
 
 Index = NDArray[np.int64]
@@ -139,32 +140,16 @@ class Hull(Description):
     ) -> Hydrostatics:
         """Of the part below z = 0 with the reference point at `position` [m] and roll, pitch, yaw `attitude_deg`.
 
-        Closed forms of the polyhedron, by Gauss's theorem over the cut triangles (the lid at z = 0 adds nothing to
-        integrals of z): V = int z n_z, V x_B = int x z n_z, and for the waterplane A = - int n_z, - int x n_z, ...
+        Closed forms of the polyhedron: the lid at z = 0 adds nothing to the integrals of `meshing.hydrostatics_of`.
         """
-        ref = np.asarray(position, dtype=np.float64)
+        ref = np.array(position, dtype=np.float64)
         x = self.surface.vertices @ matrix_from_angles(*np.radians(attitude_deg)).T + [0.0, 0.0, ref[2]]
-        corners = below(x, self.surface.faces)
-        nz = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
-
-        def integral(i: int, j: int) -> float:
-            """int x_i x_j n_z dA, exact for flat triangles."""
-            f, g = corners[:, :, i], corners[:, :, j]
-            return float(nz @ ((f * g).sum(axis=1) + f.sum(axis=1) * g.sum(axis=1))) / 12.0
-
-        mean = nz @ corners.mean(axis=1)  # int x_i n_z
-        volume, area = float(mean[2]), float(-nz.sum())
-        centre = np.array([integral(0, 2), integral(1, 2), 0.5 * integral(2, 2)]) / max(volume, 1e-300)
-        Sx, Sy = -mean[:2]
-        xx, xy, yy = -integral(0, 0), -integral(0, 1), -integral(1, 1)
-        xb, yb, zb = volume * (centre - [0.0, 0.0, ref[2]])
-        C = np.zeros((6, 6))
-        C[2, 2:5] = area, Sy, -Sx
-        C[3, 2:] = Sy, yy + zb, -xy, -xb
-        C[4, 2:] = -Sx, -xy, xx + zb, -yb
-        flotation = np.array([Sx, Sy]) / max(area, 1e-300) + ref[:2]
-        return Hydrostatics(volume, centre + [ref[0], ref[1], 0.0], area, flotation, np.array([[xx, xy], [xy, yy]]),
-                            density * gravity * C)  # fmt: skip
+        volume, centre, area, C = hydrostatics_of(below(x, self.surface.faces), (0.0, 0.0, float(ref[2])))
+        lift = volume * (centre[2] - ref[2])
+        inertia = np.array([[C[4, 4] - lift, -C[3, 4]], [-C[3, 4], C[3, 3] - lift]])
+        beside = np.array([ref[0], ref[1], 0.0])
+        flotation = np.array([-C[2, 4], C[2, 3]]) / max(area, 1e-300) + ref[:2]
+        return Hydrostatics(volume, centre + beside, area, flotation, inertia, density * gravity * C)
 
 
 def below(vertices: Array, faces: Index) -> Array:

@@ -187,6 +187,24 @@ def wetted(mesh: tuple[Array, NDArray[np.int64]]) -> Mesh:
     return Mesh(joined.vertices[used], where.reshape(-1, 4))
 
 
+def to_waterline(mesh: tuple[Array, NDArray[np.int64]], near: float = 0.1) -> Mesh:
+    """The mesh with vertices that would leave slivers where `wetted` cuts slid into z = 0: along their steepest edge
+    that crosses it, if that takes less than the share `near` of the edge. On flat walls the shape stays."""
+    vertices, faces = np.array(mesh[0]), np.asarray(mesh[1])
+    a, b = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
+    a, b = np.concatenate([a, b]), np.concatenate([b, a])
+    p, q = vertices[a], vertices[b]
+    crossing = p[:, 2] * q[:, 2] < 0.0
+    a, p, q = a[crossing], p[crossing], q[crossing]
+    share = p[:, 2] / (p[:, 2] - q[:, 2])
+    steep = np.abs(p[:, 2] - q[:, 2]) / np.linalg.norm(q - p, axis=1)
+    order = np.flatnonzero(share < near)[np.argsort(steep[share < near], kind="stable")]
+    place = p[order] + share[order, None] * (q - p)[order]
+    place[:, 2] = 0.0
+    vertices[a[order]] = place  # the steepest last
+    return Mesh(vertices, faces)
+
+
 def lid(hull: tuple[Array, NDArray[np.int64]], size: float, height: float) -> Mesh:
     """Lid at z = `height` of any waterplane: the cells of a square grid of `size` whose middle is inside the waterline.
 
@@ -228,16 +246,20 @@ def triangles(mesh: tuple[Array, NDArray[np.int64]]) -> Array:
 
 
 def hydrostatics(mesh: tuple[Array, NDArray[np.int64]], point: Sequence[float] = (0.0, 0.0, 0.0)) -> Hydrostatics:
-    """Volume, centre of buoyancy, waterplane and stiffness about `point`, exact for the flat triangles of the mesh.
+    """Volume, centre of buoyancy, waterplane and stiffness about `point`, exact for the flat triangles of the mesh."""
+    return hydrostatics_of(triangles(mesh), point)
+
+
+def hydrostatics_of(tri: Array, point: Sequence[float] = (0.0, 0.0, 0.0)) -> Hydrostatics:
+    """The same of triangles (n, 3, 3) below z = 0, closed by it; their order is free.
 
     Gauss: integrals of the normal's vertical part over the hull stand for those over the waterplane.
     """
-    tri = triangles(mesh)
     area = 0.5 * np.cross(tri[:, 1] - tri[:, 0], tri[:, 2] - tri[:, 0])[:, 2]
     x, y, z = (0.5 * (tri + np.roll(tri, -1, axis=1))).transpose(2, 0, 1)  # mid-edges: exact for quadratics
     total = lambda f: float(area @ f.mean(axis=1))  # noqa: E731
     volume = total(z)
-    centre = np.array([total(x * z), total(y * z), 0.5 * total(z * z)]) / volume
+    centre = np.array([total(x * z), total(y * z), 0.5 * total(z * z)]) / (volume or 1e-300)
     dx, dy = x - point[0], y - point[1]
     s, sx, sy = -total(np.ones_like(x)), -total(dx), -total(dy)
     arm = centre - np.array(point)

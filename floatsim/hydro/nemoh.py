@@ -41,6 +41,7 @@ from floatsim.hydro.conventions import (
     without_weight,
 )
 from floatsim.hydro.database import HydroDatabase
+from floatsim.hydro.nemoh_project import read_static_position
 
 _STANDARD = np.array([(kind, *axis) for kind in (1, 2) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))])
 
@@ -102,6 +103,7 @@ def read_nemoh(
     else:
         mass_inf = infinite_added_mass(label, omega, mass, damping, estimate_added_mass_inf)
         source["added_mass_inf"] = ESTIMATED
+    source |= read_static_position(folder)
     statics = read_hydrostatics(in_folder(folder, "mesh") or folder, N)
     depth = cal.depth or np.inf
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from floatsim.errors import SolveFailed
-from floatsim.frames import Array
+from floatsim.frames import Array, angles_from_matrix, matrix_from_angles
 from floatsim.hydro.check import Finding, check_database
 from floatsim.hydro.database import HydroDatabase
 from floatsim.hydro.floater import FloaterBatch, PotentialFlow, shared_by
@@ -18,6 +19,15 @@ from floatsim.parts.body import Body
 from floatsim.parts.line import Line
 from floatsim.solve.static import solve_static
 from floatsim.system.system import System
+
+_DRAUGHT, _ANGLE = 0.02, 1.0  # share of the draught and degrees by which a pose may differ from its database's
+
+
+class Pose(NamedTuple):
+    """position (3,) m of the reference point and attitude R (3, 3), world axes."""
+
+    position: Array
+    R: Array
 
 
 @dataclass(frozen=True)
@@ -100,11 +110,12 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
             )
         elif abs(net[2]) > 0.02 * buoyancy and not C[2, 2] > 0.0:
             warnings.append(f"rises: {net[2] / 1e3:.4g} kN of lift too much, and there is no waterplane to lose it")
-        elif abs(net[2]) > 0.02 * buoyancy:
+        elif abs(net[2]) > 0.02 * buoyancy or abs(heave) > _DRAUGHT * draught:
             way = "deeper" if net[2] < 0.0 else "higher"
             warnings.append(
-                f"floats {abs(heave):.3g} m {way} than drawn: net lift {net[2] / 1e3:.4g} kN is "
-                f"{100.0 * abs(net[2]) / buoyancy:.2g} % of the buoyancy; coefficients belong to the drawing position"
+                f"floats {abs(heave):.3g} m {way} than drawn, at a draught of {draught - heave:.4g} m instead of "
+                f"{draught:.4g} m: net lift {net[2] / 1e3:.4g} kN is {100.0 * abs(net[2]) / buoyancy:.2g} % of the "
+                "buoyancy; coefficients belong to the drawing position"
             )
         for name, value in (("roll", roll), ("pitch", pitch)):
             if value < 0.0:
@@ -127,10 +138,74 @@ def cautions(system: System) -> list[str]:
     if floaters:
         with contextlib.suppress(SolveFailed):  # whoever needs the equilibrium will say so
             lines += [f"body '{sheet.name}' {line}" for sheet in body_sheets(system) for line in sheet.warnings]
+            lines += pose_warnings(system)
         for name, finding in database_findings(model):
             if finding.severity == "error":
                 lines.append(f"hydrodynamic database of '{name}', {finding.quantity}: {finding.message}")
     return lines
+
+
+def static_pose(system: System, state: Any, body: Body) -> Pose:
+    """Where a body is in a state."""
+    w = system.work()
+    system.load(w, state)
+    place = system.numbering.place(body.name)
+    return Pose(w.x[place.point].copy(), w.R[place.rotation].copy())
+
+
+def pose_warnings(system: System) -> list[str]:
+    """Bodies on a hull that float elsewhere than where their database was computed, with both figures.
+
+    Their hydrostatics follow the hull, added mass, damping and diffraction do not. The database's pose is the static
+    one that it carries or, if it carries none, the drawing position. Allowed: 2 % of the draught, 1 deg of roll and
+    pitch, and between bodies that interact 2 % of the draught. Raises SolveFailed if there is no static position.
+    """
+    bodies = [part for part in system.model.parts if isinstance(part, Body)]
+    found = [(body, flow) for body in bodies if (flow := potential_flow(body)) is not None and flow.hull is not None]
+    if not found:
+        return []
+    state, _ = solve_static(system)
+    lines = []
+    first: dict[object, tuple[Body, PotentialFlow, Pose]] = {}
+    for k, (body, flow) in enumerate(found):
+        pose, db = static_pose(system, state, body), flow.data
+        angles = db.static_attitude_deg
+        drawn = body.attitude_deg if angles is None else angles[flow.index]
+        height = float(db.reference_point[flow.index, 2])
+        was = Pose(np.array([0.0, 0.0, height]), matrix_from_angles(*np.radians(drawn)))
+        now, then = _figures(body, pose), _figures(body, was)
+        off = np.abs(now[1:] - then[1:]) > [_DRAUGHT * then[0], _ANGLE, _ANGLE]
+        name = f"hydrodynamic database '{db.name}'"
+        if off.any():
+            lines.append(
+                f"body '{body.name}' floats at {_said(now)}; its {name} was computed at {_said(then)}: added mass, "
+                "damping and diffraction are those of another wetted hull (compute them anew: floatsim hydro compute)"
+            )
+        start, other, start_pose = first.setdefault(shared_by(flow, k), (body, flow, pose))
+        psi = np.radians(start.attitude_deg[2])
+        want = matrix_from_angles(0.0, 0.0, psi) @ (db.reference_point[flow.index] - db.reference_point[other.index])
+        got = pose.position - start_pose.position
+        if np.linalg.norm((got - want)[:2]) > max(_DRAUGHT * then[0], 0.01):
+            lines.append(
+                f"body '{body.name}' floats ({got[0]:.4g}, {got[1]:.4g}) m from '{start.name}', horizontally; in "
+                f"{name} it is ({want[0]:.4g}, {want[1]:.4g}) m: their interaction is that of another layout"
+            )
+    return lines
+
+
+def _figures(body: Body, pose: Pose) -> Array:
+    """Draught and height of the reference point [m], roll and pitch [deg]."""
+    low = min(float((hull.surface.vertices @ pose.R[2]).min()) for hull in hulls(body)) + pose.position[2]
+    roll, pitch, _ = np.degrees(angles_from_matrix(pose.R))
+    return np.array([-low, pose.position[2], roll, pitch])
+
+
+def _said(figures: Array) -> str:
+    roll, pitch = np.round(figures[2:], 2) + 0.0  # no minus zero
+    return (
+        f"a draught of {figures[0]:.4g} m (reference point at z = {figures[1]:.4g} m, roll {roll:.2f}, pitch "
+        f"{pitch:.2f} deg)"
+    )
 
 
 def dof_table(system: System) -> list[tuple[str, str, int, int]]:

@@ -87,14 +87,14 @@ def test_without_capytaine_the_extra_is_named(monkeypatch):
     ({"bodies": [ball(one=False)._replace(hull=ball().hull)]}, "free"),
 ])  # fmt: skip
 def test_refusals(monkeypatch, changes, message):
-    monkeypatch.setattr(compute, "_capytaine", lambda: None)  # refused before it is needed
+    monkeypatch.setattr(compute, "load_capytaine", lambda: None)  # refused before it is needed
     arguments = {"name": "ball", "bodies": [ball(one=False)], "omega": [1.0, 2.0], "depth": math.inf} | changes
     with pytest.raises(ModelError, match=message):
         compute_database(**arguments)
 
 
 def test_a_body_on_the_seabed_must_bring_its_hydrostatics(monkeypatch):
-    monkeypatch.setattr(compute, "_capytaine", lambda: None)
+    monkeypatch.setattr(compute, "load_capytaine", lambda: None)
     lines = tuple(planes(v, 0.5) for v in ((0.0, 1.0), (0.0, 1.0), (-5.0, -4.0)))
     (mesh,) = boxes([[((0.0, 1.0), (0.0, 1.0), (-5.0, -4.0))]], lines)
     standing = mesh._replace(faces=mesh.faces[mesh.vertices[mesh.faces, 2].max(axis=1) > -4.9])

@@ -22,6 +22,7 @@ from floatsim.hydro.meshing import (
     profile,
     rectangle,
     revolve,
+    to_waterline,
     wetted,
 )
 
@@ -190,6 +191,33 @@ def test_tilted_box_cut_at_the_waterline():
     # turned about its middle, which is in the waterline: half of it is under water; deck and bottom both are cut
     assert h.volume == pytest.approx(4.0, rel=1e-9)
     assert h.waterplane == pytest.approx(2.0 * 1.0 / s, rel=1e-9)  # across the whole thickness of 1 m
+
+
+@pytest.mark.parametrize("off", [0.02, -0.02, 1e-7, -1e-7, 0.0])
+def test_rings_near_the_waterline_leave_no_slivers(off):
+    """A tube with a ring `off` the waterline, rings 0.5 m apart; its walls are upright, so nothing of it is lost."""
+    outline = np.array([[0.0, -2.0], [1.0, -2.0], *([1.0, z] for z in (-1.5, -1.0, -0.5, 0.0, 0.5, 1.0)), [0.0, 1.0]])
+    tube = revolve(outline + (0.0, off), 16)
+    cut = wetted(to_waterline(tube))
+    assert mesh_problems(cut) == [] and len(cut.faces) == 5 * 16
+    assert hydrostatics(cut).volume == pytest.approx(math.pi * (2.0 - off), rel=1e-12)
+    plain = wetted(tube)
+    assert hydrostatics(plain).volume == pytest.approx(math.pi * (2.0 - off), rel=1e-9)
+    assert (len(plain.faces) > len(cut.faces)) == (off < 0.0)
+
+
+def test_rings_near_the_waterline_of_a_ball():
+    ball = closed_ball(24, 48, -math.cos(13.05 * math.pi / 24))  # between two rings, a twentieth from one
+    volume = hydrostatics(wetted(ball)).volume
+    cut = wetted(to_waterline(ball))
+    assert mesh_problems(cut) == [] and hydrostatics(cut).volume == pytest.approx(volume, rel=2e-4)
+
+    def lowest(mesh):
+        """Height of the lowest panel at the waterline; rings are 0.13 apart."""
+        z = mesh.vertices[mesh.faces, 2]
+        return np.ptp(z, axis=1)[z.max(axis=1) == 0.0].min()
+
+    assert lowest(wetted(ball)) == pytest.approx(0.05 * math.pi / 24, rel=0.05) and lowest(cut) > 0.9 * math.pi / 24
 
 
 def test_a_lid_needs_a_waterline():
