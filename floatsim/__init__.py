@@ -70,6 +70,7 @@ from floatsim.study.frequency import FrequencyResponse, frequency_response
 from floatsim.study.lazy_wave import diameter_from_weights, section_lengths, sizing
 from floatsim.study.moordyn import MoorDynImport, read_moordyn
 from floatsim.study.power import capture_width, mean_power, wave_power
+from floatsim.study.power_matrix import PowerMatrix, power_matrix, read_occurrence
 from floatsim.study.ranges import RangeGraph, range_graph
 from floatsim.study.release import DecayTest, decay_test
 from floatsim.study.simulate import Run, simulate
@@ -82,14 +83,14 @@ __all__ = [
     "Bretschneider", "capture_width", "CaseError", "Catenary", "check_database", "Clamp", "CombinedWaves",
     "CompressionOnly", "Coulomb", "Current", "CurrentTable", "Cylindrical", "decay_test", "DecayTest",
     "diameter_from_weights", "Disc", "ElevationSeries", "EndStop", "Engineering", "Expected", "FloatsimError",
-    "FocusedWave", "ForceTable", "frequency_response", "FrequencyResponse", "generalised_alpha", "hht", "Hinge",
-    "Hull", "Hydraulic", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Linear", "Lock", "mean_power",
-    "Member", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark",
-    "Nodes", "OchiHubble", "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine", "Polynomial",
-    "PotentialFlow", "PowerLaw", "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_hydro",
-    "read_moordyn", "read_wamit", "read_wamit_qtf", "RegularWave", "Rod", "Run", "Scheme", "Sea", "Seabed", "Section",
-    "section_lengths", "simulate", "sizing", "Slider", "solve_static", "SolveFailed", "SpectrumTable", "Spring",
-    "State", "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight", "System", "TautMooring",
-    "TensionOnly", "TensionTable", "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power",
+    "FocusedWave", "ForceTable", "frequency_response", "FrequencyResponse", "generalised_alpha", "hht", "Hinge", "Hull",
+    "Hydraulic", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Linear", "Lock", "mean_power", "Member", "Mode",
+    "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark", "Nodes", "OchiHubble",
+    "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine", "Polynomial", "PotentialFlow", "power_matrix",
+    "PowerLaw", "PowerMatrix", "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_hydro", "read_moordyn",
+    "read_occurrence", "read_wamit", "read_wamit_qtf", "RegularWave", "Rod", "Run", "Scheme", "Sea", "Seabed",
+    "Section", "section_lengths", "simulate", "sizing", "Slider", "solve_static", "SolveFailed", "SpectrumTable",
+    "Spring", "State", "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight", "System",
+    "TautMooring", "TensionOnly", "TensionTable", "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power",
     "WaveComponents", "Weld", "WhiteNoise",
 ]  # fmt: skip

@@ -287,6 +287,108 @@ def run(
         raise SolveFailed(f"run failed {result.failure}")
 
 
+def _numbers(option: str, text: str | None) -> list[float]:
+    """The numbers of a list such as 1,2.5,4."""
+    try:
+        return [] if text is None else [float(word) for word in text.split(",")]
+    except ValueError:
+        raise CaseError(f"{option}: got '{text}'; must be numbers with commas between them, e.g. 1,2.5,4") from None
+
+
+def _write(data: Any, path: str, attributes: dict[str, Any]) -> None:
+    """A dataset with the attributes of its input as a netCDF file."""
+    data.attrs.update(attributes)
+    try:
+        data.to_netcdf(path)
+    except OSError as error:
+        raise CaseError(f"output file '{path}' cannot be written: {error}") from None
+    typer.echo(f"wrote {path}")
+
+
+@app.command()
+def rao(
+    script: Script,
+    p: Parameters = [],  # noqa: B006
+    heading: Annotated[float, typer.Option(help="Direction waves travel towards, DEGREES from x.")] = 0.0,
+    hs: Annotated[float | None, typer.Option(help="Significant height of a JONSWAP sea, with --tp.")] = None,
+    tp: Annotated[float | None, typer.Option(help="Its peak period, seconds.")] = None,
+    omega: Annotated[
+        str | None, typer.Option(metavar="W1,W2,...", help="Frequencies, rad/s; default those of the database.")
+    ] = None,
+    output: Annotated[str | None, typer.Option("-o", help=OUTPUT_HELP)] = None,
+) -> None:
+    """Responses to small waves about the equilibrium, in the frequency domain.
+
+    With a sea (--hs, --tp) drag is linearised in it, and standard deviations are shown. The file has amplitude and
+    phase of every output of a run.
+    """
+    from floatsim.study.report import rao_tables
+
+    _writable(output)
+    if (hs is None) != (tp is None):
+        raise CaseError("--hs and --tp describe a sea together; give both or none")
+    sea = None if hs is None or tp is None else floatsim.Jonswap(hs=hs, tp=tp)
+    system, attributes = _load(script, p, command="rao", heading=heading, hs=hs, tp=tp, omega=omega)
+    response = floatsim.frequency_response(
+        system, _numbers("--omega", omega) or None, heading_deg=heading, spectrum=sea
+    )
+    console = _console()
+    for title, columns, rows in rao_tables(response):
+        console.print(_table(title, columns, rows))
+    if output is not None:
+        _write(response.dataset(), output, attributes)
+
+
+@app.command()
+def power(
+    script: Script,
+    p: Parameters = [],  # noqa: B006
+    hs: Annotated[str | None, typer.Option(metavar="H1,H2,...", help="Significant wave heights, metres.")] = None,
+    tp: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="Peak periods, seconds.")] = None,
+    occurrence: Annotated[
+        str | None, typer.Option(metavar="FILE.csv", help="Scatter table: a first line with every tp, then lines of hs "
+                                 "and shares of the year. Gives the annual energy, and hs and tp unless said.")
+    ] = None,
+    duration: Annotated[float, typer.Option(help="Seconds over which power is averaged.")] = 1800.0,
+    start: Annotated[float, typer.Option(help="Seconds before that: ramp and transients.")] = 200.0,
+    dt: Annotated[float, typer.Option(help="Time step, seconds.")] = 0.1,
+    seed: Annotated[int, typer.Option(help="Of the first cell; each has its own.")] = 1,
+    heading: Annotated[float, typer.Option(help="Direction waves travel towards, DEGREES from x.")] = 0.0,
+    output: Annotated[str | None, typer.Option("-o", help=OUTPUT_HELP)] = None,
+) -> None:
+    """Power matrix: mean absorbed power of all PTOs in every sea state (JONSWAP), one run a cell, and annual energy."""
+    from floatsim.study.power_matrix import power_matrix, read_occurrence
+    from floatsim.study.report import power_tables
+
+    _writable(output)
+    heights, periods, share = _numbers("--hs", hs), _numbers("--tp", tp), None
+    if occurrence is not None:
+        rows, columns, share = read_occurrence(occurrence)
+        heights, periods = heights or rows.tolist(), periods or columns.tolist()
+        if heights != rows.tolist() or periods != columns.tolist():
+            raise CaseError(f"--hs and --tp are not those of '{occurrence}'; leave them out")
+    if not heights or not periods:
+        raise CaseError("power: give --hs and --tp, or --occurrence")
+    case = {"hs": heights, "tp": periods, "duration": duration, "start": start, "dt": dt, "seed": seed,
+            "heading": heading, "occurrence": None if share is None else share.tolist()}  # fmt: skip
+    system, attributes = _load(script, p, command="power", **case)
+    with _Bar(None) as show:
+        matrix = power_matrix(
+            system.model, heights, periods, occurrence=share, duration=duration, start=start, dt=dt, seed=seed,
+            heading_deg=heading, progress=lambda done, of: show(done * (start + duration), 0),
+        )  # fmt: skip
+    console = _console()
+    for title, names, cells in power_tables(matrix):
+        console.print(_table(title, names, cells))
+    if share is not None and not matrix.failures:
+        console.print(f"energy of a year: {matrix.annual_energy / 3.6e9:.4g} MWh")
+    if output is not None:
+        _write(matrix.dataset(), output, attributes)
+    if matrix.failures:
+        (h, t), reason = next(iter(matrix.failures.items()))
+        raise SolveFailed(f"{len(matrix.failures)} sea states, the first is hs {h:g} m, tp {t:g} s: {reason}")
+
+
 @app.command()
 def plot(
     file: Annotated[str, typer.Argument(metavar="OUT.nc", help="Result file.")],

@@ -10,6 +10,8 @@ import numpy as np
 from floatsim.parts.body import Body
 from floatsim.parts.line import Line
 from floatsim.study.channels import Sampler
+from floatsim.study.frequency import FrequencyResponse
+from floatsim.study.power_matrix import PowerMatrix
 from floatsim.study.release import DOFS, DecayTest, pose
 from floatsim.study.store import Writer
 from floatsim.system.state import State
@@ -75,3 +77,42 @@ def decay_tables(result: DecayTest) -> list[Table]:
         ("cycles, maximum to maximum", ["cycle", "period [s]"], cycles),
         ("result", ["", ""], summary),
     ]
+
+
+RAO_ROWS = 12  # frequencies shown in the terminal; the file has them all
+
+
+def rao_tables(response: FrequencyResponse) -> list[Table]:
+    """Amplitudes of every body's motions at a dozen frequencies, and their standard deviations in the sea."""
+    shown = np.unique(np.linspace(0, len(response.omega) - 1, min(RAO_ROWS, len(response.omega))).round().astype(int))
+    scale = np.array([1.0, 1.0, 1.0, *3 * [180.0 / np.pi]])
+    tables: list[Table] = []
+    for body in (part for part in response.sampler.system.model.parts if isinstance(part, Body)):
+        size = np.abs(response.rao(f"{body.name}_position")) * scale
+        rows = [[f"{w:.3f}", f"{2.0 * np.pi / w:.2f}", *map(_short, size[k])]
+                for k, w in zip(shown, response.omega[shown], strict=True)]  # fmt: skip
+        title = (f"motions of '{body.name}' [m/m, deg/m] per metre of wave amplitude, waves towards "
+                 f"{response.heading_deg:g} deg")  # fmt: skip
+        tables.append((title, ["rad/s", "s", *DOFS], rows))
+        if response.density is not None:
+            sigma = response.std(f"{body.name}_position") * scale
+            row = [body.name, *map(_short, sigma)]
+            tables.append(("standard deviations in the sea [m, deg]", ["body", *DOFS], [row]))
+    return tables
+
+
+def _short(y: float) -> str:
+    return f"{y:.3g}" if y >= 5e-4 else "0"
+
+
+def power_tables(matrix: PowerMatrix) -> list[Table]:
+    """Mean power over the sea states."""
+    rows = []
+    for i, hs in enumerate(matrix.hs):
+        cells = []
+        for j, tp in enumerate(matrix.tp):
+            failed = (float(hs), float(tp)) in matrix.failures
+            y = matrix.power[i, j]
+            cells.append("failed" if failed else "-" if not np.isfinite(y) else f"{y / 1e3:.4g}")
+        rows.append([f"{hs:g}", *cells])
+    return [("mean absorbed power [kW], rows hs [m], columns tp [s]", ["hs", *(f"{tp:g}" for tp in matrix.tp)], rows)]
