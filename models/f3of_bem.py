@@ -27,8 +27,11 @@ from floatsim.hydro.meshing import Box, Mesh, boxes, graded, join, planes, recta
 LEG = 12.5  # of columns and hinges from the middle, along x and y
 TOP, BOTTOM, FOOT, FLAP_BOTTOM = -8.0, -10.0, -12.0, -9.707  # pontoons, footings under the columns, flaps
 COLUMN, TUBE = 1.2615, 0.7071  # half widths; an octagon of radius 1.5 has 6.364 m2, one of radius 1 has 2.828
-# the water between the flaps sloshes across at 1.31 rad/s: a peak of damping 0.05 rad/s wide
-OMEGA = np.concatenate([0.05 * np.arange(1, 24), 1.1625 + 0.0125 * np.arange(26), 0.05 * np.arange(30, 101)])
+# the water between the flaps sloshes across: peaks of damping at 1.31, 1.70, 2.04, 2.34, 2.62 rad/s, some 0.04 wide
+OMEGA = np.concatenate([
+    0.05 * np.arange(1, 24), 1.1625 + 0.0125 * np.arange(26), 1.5 + 0.05 * np.arange(3),
+    1.6375 + 0.0125 * np.arange(12), 1.8 + 0.025 * np.arange(38), 0.05 * np.arange(55, 101),
+])  # fmt: skip
 HEADINGS = np.radians([-180.0, -90.0, 0.0, 90.0])
 SIZE = 1.4
 NAMES = ("base", "fore", "aft")

@@ -96,6 +96,7 @@ def decay_test(
     if duration is None:
         duration = DEFAULT_PERIODS * _period(system, rest, f"{name} {dof}")
     displaced, _ = solve_static(system, released, hold=[name])
+    _check_held(system, displaced, name, start)
     settings: dict[str, Any] = {
         "decay_body": name, "decay_dof": dof, "decay_offset": float(offset), "decay_release": release,
     }  # fmt: skip
@@ -143,6 +144,17 @@ def _check_joints(system: System, state: State, body: str) -> None:
         raise CaseError(
             f"decay: '{body}' cannot be released from this offset: joint '{system.row_name(worst)}' would be open by "
             f"{gap[worst]:.4g} m (or rad); choose a degree of freedom that the joint leaves free"
+        )
+
+
+def _check_held(system: System, state: State, body: str, where: Array) -> None:
+    """Raises CaseError if joints have moved `body` away from the pose it was put at."""
+    off = np.abs(pose(system, state, body) - where)
+    if off[:3].max() > 1e-6 * system.length or off[3:].max() > 1e-6:
+        raise CaseError(
+            f"decay: '{body}' cannot be released from this offset: its joints do not let it be there and move it by "
+            f"{off[:3].max():.4g} m and {np.degrees(off[3:].max()):.4g} deg; a body on a hinge turns about the hinge, "
+            "not about its reference point: start simulate() from such a state, as `swung` of models/oswec.py makes it"
         )
 
 
