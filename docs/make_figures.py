@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -239,22 +240,30 @@ FIGURES: dict[str, tuple[Callable[[], Any], str]] = {
 }  # fmt: skip
 
 
+def every() -> dict[str, tuple[Callable[[], Any], str]]:
+    """All figures, those of the pages beside this one too."""
+    pages = ("figures_spheres", "figures_rm3", "figures_flaps", "figures_focused")
+    return FIGURES | {name: item for page in pages for name, item in import_module(page).FIGURES.items()}
+
+
 def main(names: list[str]) -> None:
     """Draw the named figures; bytes do not depend on the day or the machine's fonts."""
     import matplotlib
 
     sys.path[:0] = [str(ROOT / "tests" / kind) for kind in ("", "validation", "verification")]
+    sys.path.append(str(ROOT / "models"))
+    figures = every()
     FOLDER.mkdir(exist_ok=True)
     for name in names:
         path = FOLDER / f"{name}.svg"
         with matplotlib.rc_context(STYLE):
-            FIGURES[name][0]().savefig(path, metadata={"Date": None, "Creator": None})
+            figures[name][0]().savefig(path, metadata={"Date": None, "Creator": None})
         path.write_text("\n".join(line.rstrip() for line in path.read_text().splitlines()) + "\n")
         print(f"{path.relative_to(ROOT)}, {path.stat().st_size / 1e3:.0f} kB", flush=True)
 
 
 if __name__ == "__main__":
-    unknown = [name for name in sys.argv[1:] if name not in FIGURES]
+    unknown = [name for name in sys.argv[1:] if name not in every()]
     if unknown:
-        sys.exit(f"no figure {', '.join(unknown)}; there are {', '.join(FIGURES)}")
-    main(sys.argv[1:] or list(FIGURES))
+        sys.exit(f"no figure {', '.join(unknown)}; there are {', '.join(every())}")
+    main(sys.argv[1:] or list(every()))

@@ -10,7 +10,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from make_figures import FIGURES
+from make_figures import every
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -39,7 +39,7 @@ def page(rows: list[dict[str, Any]]) -> str:
             mark = "" if row["holds"] else "**missed**"
             parts.append(f"| {row['quantity']} | {row['measured']:g}{unit} | {bar_text(row['bar'])} | {mark} |\n")
     parts.append("\n## Figures\n\nDrawn by `docs/make_figures.py` from the models and tables of the tests.\n")
-    for name, (_, caption) in FIGURES.items():
+    for name, (_, caption) in every().items():
         parts.append(f"\n![{caption}](figures/{name}.svg)\n\n{caption}\n")
     return "".join(parts)
 

@@ -66,6 +66,7 @@ from floatsim.solve.modes import Mode, natural_modes
 from floatsim.solve.scheme import Scheme, generalised_alpha, hht, newmark
 from floatsim.solve.static import StaticReport, solve_static
 from floatsim.solve.step import Stepper, StepReport, step
+from floatsim.study.energy import Energy
 from floatsim.study.frequency import FrequencyResponse, frequency_response
 from floatsim.study.lazy_wave import diameter_from_weights, section_lengths, sizing
 from floatsim.study.moordyn import MoorDynImport, read_moordyn
@@ -82,15 +83,15 @@ __all__ = [
     "__version__", "Arc", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break",
     "Bretschneider", "capture_width", "CaseError", "Catenary", "check_database", "Clamp", "CombinedWaves",
     "CompressionOnly", "Coulomb", "Current", "CurrentTable", "Cylindrical", "decay_test", "DecayTest",
-    "diameter_from_weights", "Disc", "ElevationSeries", "EndStop", "Engineering", "Expected", "FloatsimError",
-    "FocusedWave", "ForceTable", "frequency_response", "FrequencyResponse", "generalised_alpha", "hht", "Hinge", "Hull",
-    "Hydraulic", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Linear", "Lock", "mean_power", "Member", "Mode",
-    "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark", "Nodes", "OchiHubble",
-    "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine", "Polynomial", "PotentialFlow", "power_matrix",
-    "PowerLaw", "PowerMatrix", "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_hydro", "read_moordyn",
-    "read_occurrence", "read_wamit", "read_wamit_qtf", "RegularWave", "Rod", "Run", "Scheme", "Sea", "Seabed",
-    "Section", "section_lengths", "simulate", "sizing", "Slider", "solve_static", "SolveFailed", "SpectrumTable",
-    "Spring", "State", "StaticDynamic", "StaticReport", "step", "Stepper", "StepReport", "Straight", "System",
-    "TautMooring", "TensionOnly", "TensionTable", "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power",
-    "WaveComponents", "Weld", "WhiteNoise",
+    "diameter_from_weights", "Disc", "ElevationSeries", "EndStop", "Energy", "Engineering", "Expected",
+    "FloatsimError", "FocusedWave", "ForceTable", "frequency_response", "FrequencyResponse", "generalised_alpha",
+    "hht", "Hinge", "Hull", "Hydraulic", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Linear", "Lock",
+    "mean_power", "Member", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes",
+    "newmark", "Nodes", "OchiHubble", "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine",
+    "Polynomial", "PotentialFlow", "power_matrix", "PowerLaw", "PowerMatrix", "Prescribed", "PTO", "QTF",
+    "range_graph", "RangeGraph", "read_hydro", "read_moordyn", "read_occurrence", "read_wamit", "read_wamit_qtf",
+    "RegularWave", "Rod", "Run", "Scheme", "Sea", "Seabed", "Section", "section_lengths", "simulate", "sizing",
+    "Slider", "solve_static", "SolveFailed", "SpectrumTable", "Spring", "State", "StaticDynamic", "StaticReport",
+    "step", "Stepper", "StepReport", "Straight", "System", "TautMooring", "TensionOnly", "TensionTable",
+    "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power", "WaveComponents", "Weld", "WhiteNoise",
 ]  # fmt: skip

@@ -272,17 +272,20 @@ def run(
     interval: Annotated[float | None, typer.Option(help="Seconds between outputs; default dt.")] = None,
     channel: Annotated[list[str], typer.Option(help="Keep this channel only; repeatable.")] = [],  # noqa: B006
     precision: Annotated[str, typer.Option(help="float64 or float32.")] = "float64",
+    energy: Annotated[bool, typer.Option("--energy", help="Keep books of all work and stored energy.")] = False,
 ) -> None:
     """Simulate from the static equilibrium and write a netCDF file."""
     _writable(output)
     system, attributes = _load(script, p, command="run", duration=duration, dt=dt, interval=interval,
-                               channels=channel, precision=precision)  # fmt: skip
+                               channels=channel, precision=precision, energy=energy)  # fmt: skip
     with _Bar(duration) as show:
         result = floatsim.simulate(
             system, duration, dt, output=output, interval=interval, channels=channel or "all",
-            precision=precision, attributes=attributes, progress=show,  # type: ignore[arg-type]
+            precision=precision, attributes=attributes, progress=show, energy=energy,  # type: ignore[arg-type]
         )  # fmt: skip
     _say_run(_console(), result)
+    if result.energy is not None:
+        _console().print(result.energy.summary())
     if result.status == "failed":
         raise SolveFailed(f"run failed {result.failure}")
 
