@@ -68,10 +68,12 @@ class PotentialFlow(Description):
     displaced_volume [m3]: at the drawing position, default the database's. linear_damping,
     quadratic_damping, linear_stiffness: 6 x 6, rows surge..yaw, added to the potential-flow terms.
     radiation: "convolution" with `memory` [s] of past on a grid of `memory_grid` [s], or "state_space", exponentials
-    fitted to the database. hull: a mesh whose nonlinear Froude-Krylov and hydrostatic pressure replaces the linear
-    ones (`floatsim.Hull`). drift: second-order wave forces, "newman" (from the database's mean drift), a QTF
-    (`read_wamit_qtf`), or a tuple of a difference and a sum. slow_position: wave loads at the body's low-passed
-    horizontal position and heading instead of the drawing position.
+    fitted to the database. The default grid is 0.1 s or, if that is finer, a sixteenth of sqrt(V^(1/3)/g) of the
+    database's smallest body, the memory 60 s or 1200 such intervals: waves that a small body makes are short.
+    hull: a mesh whose nonlinear Froude-Krylov and hydrostatic pressure replaces the linear ones (`floatsim.Hull`).
+    drift: second-order wave forces, "newman" (from the database's mean drift), a QTF (`read_wamit_qtf`), or a tuple of
+    a difference and a sum. slow_position: wave loads at the body's low-passed horizontal position and heading instead
+    of the drawing position.
     """
 
     database: Any
@@ -81,8 +83,8 @@ class PotentialFlow(Description):
     quadratic_damping: Matrix6 = ZERO6  # type: ignore[assignment]
     linear_stiffness: Matrix6 = ZERO6  # type: ignore[assignment]
     radiation: Literal["convolution", "state_space"] = "convolution"
-    memory: Positive = 60.0
-    memory_grid: Positive = 0.1
+    memory: Positive | None = None
+    memory_grid: Positive | None = None
     hull: Any = None
     drift: Any = None
     slow_position: bool = False
@@ -103,9 +105,10 @@ class PotentialFlow(Description):
                 f"{_quoted(self.data.bodies)}; say which one this is: body=\"{self.data.bodies[0]}\""
             )
         _ = self.index  # refuses what the database does not have
-        if self.memory / self.memory_grid > MAX_MEMORY:
+        past, grid = self.remembered
+        if past / grid > MAX_MEMORY:
             raise ModelError(
-                f"PotentialFlow: memory of {self.memory:g} s on a grid of {self.memory_grid:g} s has more than "
+                f"PotentialFlow: memory of {past:g} s on a grid of {grid:g} s has more than "
                 f"{MAX_MEMORY} intervals; 60 s and 0.1 to 0.2 s are usual"
             )
         for item in self.drifts:
@@ -128,6 +131,13 @@ class PotentialFlow(Description):
         """The database itself; for a hull with the Froude-Krylov part, from its panels if it lacks it."""
         db = self.database if isinstance(self.database, HydroDatabase) else HydroDatabase.read(self.database)
         return with_froude_krylov(db) if self.hull is not None and db.hull_faces is not None else db
+
+    @property
+    def remembered(self) -> tuple[float, float]:
+        """Length of the radiation memory and its grid [s]."""
+        small = math.sqrt(float(self.data.volume.min()) ** (1.0 / 3.0) / self.data.gravity)
+        grid = min(0.1, small / 16.0)
+        return self.memory or min(60.0, 1200.0 * grid), self.memory_grid or grid
 
     @property
     def drifts(self) -> tuple[Any, ...]:
@@ -409,7 +419,7 @@ def _misfits(members: list[Floater]) -> list[str]:
     start = members[0]
     for part in members[1:]:
         mine, its = (
-            (p.flow.radiation, *((p.flow.memory, p.flow.memory_grid) if p.flow.radiation == "convolution" else ()))
+            (p.flow.radiation, *(p.flow.remembered if p.flow.radiation == "convolution" else ()))
             for p in (start, part)
         )
         if mine != its:
@@ -504,7 +514,7 @@ class FloaterBatch:
             try:
                 self.kernels.append(
                     StateSpace.from_database(flow.data) if flow.radiation == "state_space"
-                    else RadiationKernel.from_database(flow.data, flow.memory, flow.memory_grid)
+                    else RadiationKernel.from_database(flow.data, *flow.remembered)
                 )  # fmt: skip
             except ModelError as error:
                 raise ModelError([f"Body '{group.names}': {line}" for line in error.problems]) from None
