@@ -41,6 +41,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _ROUNDS = 8  # relocations of the poles
+_MOST = 24  # entries that may miss the database: more would neither be good nor fast
 _NOTHING = 0.1  # entries below this share of the error bar are zero
 _CARE = 10.0  # how much closer than at its peak B is followed where it is small
 _FAST = 3.0  # no pole is faster than this times the highest frequency
@@ -74,7 +75,8 @@ class StateSpace:
         Where `order` real states do not get there, the best of those tried is taken.
 
         Entries (i, j) and (j, i) that are equal within a tenth of the error share one fit of their mean, so that the
-        memory is as symmetric as the physics. Raises ModelError if error is not positive or order below 2.
+        memory is as symmetric as the physics. Raises ModelError if error is not positive or order below 2, or if the
+        database is too rugged to be fitted.
         """
         if not (0.0 < error < np.inf and 2 <= order <= 100):
             raise ModelError(
@@ -86,7 +88,7 @@ class StateSpace:
         d = A.shape[1]
         scale_A, scale_B = entry_scales(db)
         entries, poles, residues = [], [], []
-        count = 0
+        count = missed = 0
         orders = np.zeros((d, d), dtype=np.int64)
         fits: dict[tuple[int, int], tuple[Complex, Complex]] = {}
         for i, j in np.ndindex(d, d):
@@ -107,6 +109,14 @@ class StateSpace:
             residues.append(r)
             count += p.size
             orders[i, j] = p.size + np.count_nonzero(p.imag)
+            G = 0.5 * _sum(1j * w, p, r / p)
+            missed += _size(G.real - A[:, i, j], w * G.imag + B[:, i, j], *scales) > 3.0 * error
+            if missed > _MOST:
+                raise ModelError(
+                    f"radiation state space of '{db.name}': with {order} states more than {_MOST} entries miss the "
+                    f"database by more than {300.0 * error:.2g} % (sharp resonances of water between bodies, or noise); "
+                    "use radiation=\"convolution\" with a memory that lasts as long as they ring"
+                )
         table = np.array(entries, dtype=np.int64).reshape(-1, 4)
         p = np.concatenate([np.zeros(0, dtype=complex), *poles])
         r = np.concatenate([np.zeros(0, dtype=complex), *residues])

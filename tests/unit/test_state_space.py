@@ -7,6 +7,7 @@ K(tau) = c exp(-a tau) (cos b tau - a/b sin b tau) is the derivative of H' = c e
 
 import copy
 import pickle
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from shipped import HYDRO
 
 import floatsim as fs
 from floatsim.errors import ModelError
+from floatsim.hydro.database import added_mass_from_damping
 from floatsim.hydro.radiation import RadiationHistory, RadiationKernel, entry_scales
 from floatsim.hydro.state_space import StateSpace, StateSpaceHistory
 
@@ -276,3 +278,17 @@ def test_rotations_that_make_no_waves_are_not_fitted():
     assert not fit.order[3:].any() and not fit.order[:, 3:].any() and fit.order[:3, :3].any()
     for residual in (fit.residual, RadiationKernel.from_database(db).residual):
         assert residual.damping[3:].max() < 1e-3 and residual.added_mass[3:].max() < 1e-3
+
+
+def test_water_that_rings_between_bodies_is_refused() -> None:
+    """Three bodies whose every entry has a dozen sharp peaks cannot be fitted with a few states."""
+    omega = np.linspace(0.05, 4.0, 160)
+    peaks = np.linspace(0.6, 3.4, 24)
+    B = 1e5 * np.sum(np.exp(-(((omega[:, None] - peaks) / 0.03) ** 2)), axis=1)
+    A = 1e6 + added_mass_from_damping(omega, B[:, None, None])[:, 0, 0]
+    full = np.ones((18, 18))
+    db = SimpleNamespace(name="moonpools", omega=omega, added_mass=A[:, None, None] * full,
+                         radiation_damping=B[:, None, None] * full, added_mass_inf=1e6 * full,
+                         volume=np.full(3, 1e3), bodies=("a", "b", "c"))  # fmt: skip
+    with pytest.raises(ModelError, match="'moonpools': with 8 states more than 24 entries miss.*convolution"):
+        StateSpace.from_database(db, order=8)
