@@ -114,7 +114,7 @@ class StateSpace:
             if missed > _MOST:
                 raise ModelError(
                     f"radiation state space of '{db.name}': with {order} states more than {_MOST} entries miss the "
-                    f"database by more than {300.0 * error:.2g} % (sharp resonances of water between bodies, or noise); "
+                    f"database by more than {300.0 * error:.2g} % (sharp resonances of water between bodies, noise); "
                     "use radiation=\"convolution\" with a memory that lasts as long as they ring"
                 )
         table = np.array(entries, dtype=np.int64).reshape(-1, 4)

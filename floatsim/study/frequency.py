@@ -170,12 +170,12 @@ def frequency_response(
     sampler = Sampler(system, channels)
     if state is None:
         state, _ = solve_static(system)
-    linear = _Linear(system, state, w0, math.radians(heading_deg))
+    linear = Linear(system, state, w0, math.radians(heading_deg))
     motion, lam, rounds = _settle(linear, density)
     return FrequencyResponse(w0, float(heading_deg), density, motion, lam, state, sampler, rounds)
 
 
-def _settle(linear: _Linear, density: Array | None) -> tuple[Complex, Complex, int]:
+def _settle(linear: Linear, density: Array | None) -> tuple[Complex, Complex, int]:
     """Motions and multipliers with the damping that belongs to them, and how many rounds that took."""
     motion, lam = linear.solve(linear.damping())
     if density is None:
@@ -227,7 +227,7 @@ def _displace(system: System, w: Work, d: Array) -> None:
     system.orient(w)
 
 
-class _Linear:
+class Linear:
     """The linear system at an equilibrium, solved frequency by frequency."""
 
     def __init__(self, system: System, state: State, omega: Array, heading: float) -> None:
@@ -393,7 +393,7 @@ class _Linear:
         return out[:, : self.n_dof], np.asarray(self.cG * out[:, self.n_dof :], dtype=np.complex128)
 
 
-def _unit_waves(linear: _Linear, x: Array) -> tuple[Complex, Complex, Complex]:
+def _unit_waves(linear: Linear, x: Array) -> tuple[Complex, Complex, Complex]:
     """Water's velocity, acceleration (n, 3 p) and surface (n, p) at places x (p, 3), complex, per metre of waves."""
     depth, one, parts = linear.system.model.sea.depth, np.ones(1), []
     for omega, k in zip(linear.omega, linear.k, strict=True):
