@@ -116,11 +116,14 @@ def _lasting(wave, z):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def wave_field(x, q, v, a, p, k, h, t, V, wave, site, scratch, R, D):  # type: ignore[no-untyped-def]
+def wave_field(x, q, v, a, p, k, h, t, V, reach, wave, site, scratch, R, D):  # type: ignore[no-untyped-def]
     """Field D at the vertices V at time t, where point p and rotation k will be after h if their accelerations stay.
 
-    x (n + 1, 3), q: state; v, a: velocities, angular ones from 3 len(x) on. site: depth, ramp, highest crest.
-    R (1, 3, 3): scratch.
+    x (n + 1, 3), q: state; v, a: velocities, angular ones from 3 len(x) on. reach (m,): longest side at each vertex.
+    site: depth, ramp, highest crest. R (1, 3, 3): scratch.
+
+    Only the vertices of triangles that are above every crest are left out: a dry vertex needs eta as well, or the
+    sides that lead up to it are cut in the wrong place, an error of the waves' own order.
     """
     depth = site[0]
     ramp = ramp_factor(t, site[1])
@@ -139,7 +142,7 @@ def wave_field(x, q, v, a, p, k, h, t, V, wave, site, scratch, R, D):  # type: i
         X, Y, Z = plus(place, rotate(R, 0, vec(V, i)))
         for j in range(7):
             D[i, j] = 0.0
-        if ramp == 0.0 or site[2] < Z:
+        if ramp == 0.0 or site[2] + reach[i] < Z:
             continue
         e, ex, ey = _elevation(wave, X, Y, scratch)
         e, ex, ey = ramp * e, ramp * ex, ramp * ey
@@ -428,12 +431,18 @@ def buoyancy_energy(S, V, T, R, k):  # type: ignore[no-untyped-def]
 
 
 class _Wet:
-    """Arrays of one hull: vertices V, triangles T, weights W, field D, heights and pressures S."""
+    """Arrays of one hull: vertices V, triangles T, longest sides at V, weights W, field D, heights and pressures S."""
 
     def __init__(self, hull: Any, rho_g: float) -> None:
         self.V = np.ascontiguousarray(hull.surface.vertices)
         self.T = np.ascontiguousarray(hull.surface.faces)
         n = len(self.V)
+        self.reach = np.zeros(n)
+        for j in range(3):
+            a, b = self.T[:, j], self.T[:, (j + 1) % 3]
+            side = np.linalg.norm(self.V[a] - self.V[b], axis=1)
+            np.maximum.at(self.reach, a, side)
+            np.maximum.at(self.reach, b, side)
         self.W, self.D, self.S = np.zeros((n, 6)), np.zeros((n, 7)), np.zeros((n, 3))
         wet_weights(self.V, self.T, self.W)
         self.sizes = np.array([1e-3 * float(np.linalg.norm(np.ptp(self.V, axis=0))), rho_g])
@@ -479,8 +488,8 @@ class HullBatch:
             if w.still or self._wave.shape[1] == 0:
                 hull.D.fill(0.0)
             else:
-                wave_field(state.x, state.q, state.v, state.a, p, k, t - state.t, t, hull.V, self._wave, self._site,
-                           self._scratch, self._R, hull.D)  # fmt: skip
+                wave_field(state.x, state.q, state.v, state.a, p, k, t - state.t, t, hull.V, hull.reach, self._wave,
+                           self._site, self._scratch, self._R, hull.D)  # fmt: skip
 
     def add(self, w: Any) -> None:
         for hull, where, slots in zip(self.hulls, self.where, self._slots, strict=True):

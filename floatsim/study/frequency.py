@@ -63,6 +63,7 @@ class FrequencyResponse:
     multipliers: Complex
     state: State
     sampler: Sampler = field(repr=False)
+    linear: Linear = field(repr=False)
     rounds: int = 0
 
     def rao(self, channel: str) -> Complex:
@@ -87,31 +88,31 @@ class FrequencyResponse:
     @cached_property
     def _rows(self) -> Complex:
         """Every channel's response, differentiated along the solution."""
-        system, rows = self.sampler.system, np.zeros((len(self.omega), self.sampler.width), dtype=complex)
-        w = system.work()
-        for k, omega in enumerate(self.omega):
+        rows = np.zeros((len(self.omega), self.sampler.width), dtype=complex)
+        for k in range(len(self.omega)):
             # a quarter of a period earlier the real part of the motion is the imaginary part of the amplitude
-            for turn in (1.0, -1j):
-                ahead, back = (
-                    self._sample(w, turn * sign * _SMALL * self.motion[k], turn * sign * _SMALL * self.multipliers[k],
-                                 omega) for sign in (1.0, -1.0)
-                )  # fmt: skip
-                rows[k] += (1.0 if turn == 1.0 else 1j) * (ahead - back) / (2.0 * _SMALL)
+            for turn, part in ((1.0, 1.0), (-1j, 1j)):
+                ahead, back = (self._sample(sign * _SMALL * turn, k) for sign in (1.0, -1.0))
+                rows[k] += part * (ahead - back) / (2.0 * _SMALL)
+        self.linear.calm()
         for channel in self.sampler.channels:
             if channel.name == "wave_elevation":
                 rows[:, self.sampler.columns(channel.name)] = 1.0
         return rows
 
-    def _sample(self, w: Work, xi: Complex, lam: Complex, omega: float) -> Array:
-        system, state = self.sampler.system, self.state
+    def _sample(self, z: complex, k: int) -> Array:
+        """All channels in wave k of complex amplitude z [m], at its phase zero."""
+        system, state, w, omega = self.sampler.system, self.state, self.linear.work, self.omega[k]
+        xi = z * self.motion[k]
         system.load(w, state)
         _displace(system, w, xi.real)
         w.v[:] = (1j * omega * xi).real
         w.a[:] = (-(omega**2) * xi).real
-        w.lam += lam.real
+        w.lam += (z * self.multipliers[k]).real
         w.still = True
         w.c[6] = 0.0
         system.begin(w, state, state.t)
+        self.linear.wave(z, k)
         system.evaluate(w)
         return self.sampler.sample(w)
 
@@ -172,7 +173,7 @@ def frequency_response(
         state, _ = solve_static(system)
     linear = Linear(system, state, w0, math.radians(heading_deg))
     motion, lam, rounds = _settle(linear, density)
-    return FrequencyResponse(w0, float(heading_deg), density, motion, lam, state, sampler, rounds)
+    return FrequencyResponse(w0, float(heading_deg), density, motion, lam, state, sampler, linear, rounds)
 
 
 def _settle(linear: Linear, density: Array | None) -> tuple[Complex, Complex, int]:
@@ -254,6 +255,7 @@ class Linear:
         places += [(*item, np.arange(len(item[0]))) for item in own]
         # unit waves (n, points) there, and what is there without waves
         self.water = [(u, du, eta, at, u.copy(), *_unit_waves(self, x[at])) for x, u, du, eta, at in places]
+        self.hulls = [batch for batch in system.batches if hasattr(batch, "set_waves")]
         self.hull_load = self._hull_loads()
         self.load = self.hull_load + self._wave_loads(np.zeros(len(omega), dtype=np.complex128))
 
@@ -316,25 +318,34 @@ class Linear:
 
     def _hull_loads(self) -> Complex:
         """The same of hulls, in waves alone."""
-        w, t, system = self.work, self.state.t, self.system
-        hulls = [batch for batch in system.batches if hasattr(batch, "set_waves")]
-
-        def move(z: complex, k: int) -> None:
-            one, a, b = slice(k, k + 1), np.array([abs(z)]), np.array([self.heading])
-            phase = np.array([np.angle(z)]) - self.omega[one] * t
-            waves = Realisation(a, self.omega[one], self.k[one], b, phase, system.model.sea.depth, math.inf)
-            w.still = False
-            for batch in hulls:
-                batch.set_waves(waves)
-                batch.begin(w, None, t, self.rest)
-
-        if not hulls:
+        if not self.hulls:
             return np.zeros((len(self.omega), self.n_dof), dtype=np.complex128)
-        force = self._differences(move)
-        for batch in hulls:
-            batch.set_waves(system.waves, system.model.sea.wave_ramp)
-        self._rest(w)
+        force = self._differences(self._hull_wave)
+        self.calm()
+        self._rest(self.work)
         return force
+
+    def _hull_wave(self, z: complex, k: int) -> None:
+        """Wave k of complex amplitude z [m] on hulls at rest."""
+        one, a, b, t = slice(k, k + 1), np.array([abs(z)]), np.array([self.heading]), self.state.t
+        phase = np.array([np.angle(z)]) - self.omega[one] * t
+        waves = Realisation(a, self.omega[one], self.k[one], b, phase, self.system.model.sea.depth, math.inf)
+        self.work.still = False
+        for batch in self.hulls:
+            batch.set_waves(waves)
+            batch.begin(self.work, None, t, self.rest)
+
+    def wave(self, z: complex, k: int) -> None:
+        """Let wave k of complex amplitude z [m] be the water's motion at lines, members and hulls."""
+        sea = np.zeros(len(self.omega), dtype=np.complex128)
+        sea[k] = z
+        self._water(sea)
+        self._hull_wave(z, k)
+
+    def calm(self) -> None:
+        """Give the hulls the system's own waves back."""
+        for batch in self.hulls:
+            batch.set_waves(self.system.waves, self.system.model.sea.wave_ramp)
 
     def _differences(self, move: Callable[[complex, int], None]) -> Complex:
         """-dr/d(amplitude) (n, n_dof) when move(z, k) adds wave k with the complex amplitude z."""

@@ -297,6 +297,35 @@ def test_cylinder_in_small_waves(period, heading, record):
     record(WAVES, what, off(found, X, T), 0.005)
 
 
+@pytest.mark.parametrize("up", [0.0, 0.0625, 0.125, 0.1875])
+def test_small_waves_between_rows_of_vertices(up, record):
+    """The cylinder lifted, so that the water is in the triangles between two rows 0.25 m apart, their upper corners far
+    above a crest of 0.01 mm: where these triangles are cut follows the wave as well."""
+    r, T, period = 4.0, 5.0 - up, 5.0
+    k = number(period, 500.0)
+    force, lever = wall(k, T, 500.0)
+    sway = 2j * np.pi * r * j1(k * r)
+    turn = sway * lever + 2j * np.pi * r * r * np.exp(-k * T) * jv(2, k * r) / k  # about the water's surface
+    heave = 2.0 * np.pi * r * np.exp(-k * T) * j1(k * r) / k
+    X = np.array([sway * force, 0.0, heave, 0.0, turn - up * sway * force, 0.0])
+    found = amplitudes(Hull(mesh=polar(r, 5.0, 90, 24)), period, position=(0.0, 0.0, up))
+    what = f"cylinder {up:g} m over a row of vertices: error over the largest (moments by the draught)"
+    record(WAVES, what, off(found, X, T), 0.001)
+
+
+def test_surge_force_of_low_waves_does_not_feel_small_motions(record):
+    """To first order the horizontal force is that on the hull at rest: a heave and a pitch that lift vertices of the
+    waterline over the crests, or drown them, change it in the second order only."""
+    hull, a, period = Hull(mesh=cylinder(3.0, -20.0, 5.0, 24, 25)), 1e-5, 8.0
+    system = fs.assemble(model(hull, fs.RegularWave(height=2.0 * a, period=period)))
+    times, worst = np.linspace(0.0, period, 8, endpoint=False), 0.0
+    rest = np.array([loads(system, t=t)[0][0] for t in times])
+    for heave, pitch in ((1.5 * a, 0.0), (-1.5 * a, 0.0), (0.0, a), (0.5 * a, -a)):
+        moved = np.array([loads(system, (0.0, 0.0, heave), (0.0, np.degrees(pitch), 0.0), t)[0][0] for t in times])
+        worst = max(worst, float(np.abs(moved - rest).max() / np.abs(rest).max()))
+    record(WAVES, "cylinder: change of surge force by motions of the waves' size", worst, 1e-4)
+
+
 def polar(r: float, T: float, n: int, rings: int) -> tuple[np.ndarray, np.ndarray]:
     """Cylinder of radius r from z = -T to 5 whose flat bottom is divided in rings."""
     v, f = cylinder(r, -T, 5.0, n, 40)
