@@ -142,10 +142,13 @@ class Model(Description):
         for name, times in sorted(Counter(names).items()):
             if times > 1:
                 yield f"the name '{name}' is used {times} times; names must differ"
-        if self.sea.waves is not None and not hasattr(self.sea.waves, "realise"):
+        waves = self.sea.waves
+        if isinstance(waves, type):
+            yield f"Sea: waves: got the class {waves.__name__} itself; give an object, {waves.__name__}(...)"
+        elif waves is not None and not hasattr(waves, "realise"):
             yield (
-                f"Sea: waves: got {self.sea.waves!r}; RegularWave, IrregularWaves(spectrum=..., seed=...) or "
-                "WaveComponents is allowed"
+                f"Sea: waves: got {waves!r}; RegularWave, IrregularWaves(spectrum=..., seed=...), WaveComponents, "
+                "FocusedWave, ElevationSeries, or CombinedWaves(waves=[...]) of several is allowed"
             )
         targets = self.targets()
         ends = [(f"joint '{joint.label}'", joint.targets()) for joint in self.joints]

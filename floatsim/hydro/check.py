@@ -100,7 +100,8 @@ def _per_dof(db: HydroDatabase, size: NDArray[np.float64]) -> NDArray[np.float64
 
 
 def _damping_scale(db: HydroDatabase) -> NDArray[np.float64]:
-    floor = 1e-4 * _mass_scale(db) ** 2 * db.omega[-1]
+    size = np.maximum(_mass_scale(db) ** 2, _per_dof(db, db.density * db.volume))  # yaw of a polygon is next to nothing
+    floor = 1e-4 * size * db.omega[-1]
     return np.sqrt(np.maximum(_diagonal_max(db.radiation_damping), floor))
 
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _FADE = 1.0 / 6.0  # share of the memory over which H' is faded out
+_BLOCK = 10_000_000  # products of lags and frequencies worked on at a time
 _CUT = 0.1  # share of the frequency range over which B is faded out at its upper end
 _SNAP = 1e-5  # times this close to a knot, in kernel intervals, are on it (sums of steps are inexact)
 _T0, _KNOT, _HEAD, _TN, _VN = 0, 1, 2, 3, 4  # positions in RadiationHistory.last
@@ -181,11 +182,12 @@ def _transforms(omega: Array, B: Array, tau: Array) -> tuple[Array, Array, Array
     fade = 0.5 * (1.0 + np.cos(np.pi * np.clip((w / cut - 1.0 + _CUT) / _CUT, 0.0, 1.0)))
     weighted = (2.0 / np.pi * w[1] * fade)[1:, None] * fine.reshape(count, -1)[1:]  # B(0) = 0: no end term
     w = w[1:]
-    phase = np.outer(tau, w)
-    shape = (tau.size,) + B.shape[1:]
-    K = (np.cos(phase) @ weighted).reshape(shape)
-    dH = (np.sin(phase) @ (weighted / w[:, None])).reshape(shape)
-    H = (2.0 * np.sin(0.5 * phase) ** 2 @ (weighted / w[:, None] ** 2)).reshape(shape)
+    parts = []
+    for lags in np.array_split(tau, 1 + tau.size * w.size // _BLOCK):
+        phase = np.outer(lags, w)
+        parts.append((np.cos(phase) @ weighted, np.sin(phase) @ (weighted / w[:, None]),
+                      2.0 * np.sin(0.5 * phase) ** 2 @ (weighted / w[:, None] ** 2)))  # fmt: skip
+    K, dH, H = (np.concatenate(part).reshape((tau.size,) + B.shape[1:]) for part in zip(*parts, strict=True))
     return K, dH, H
 
 

@@ -57,7 +57,7 @@ class Body(Part):
     def _is_hydrodynamics(cls, value: Any) -> Any:
         several = isinstance(value, list | tuple)
         for item in value if several else (value,):
-            if (item is not None or several) and not hasattr(item, "attached_to"):
+            if (item is not None or several) and (isinstance(item, type) or not hasattr(item, "attached_to")):
                 raise ValueError(
                     f"got {item!r}; floatsim.PotentialFlow(database=...), a list of such descriptions, or None is "
                     "allowed"

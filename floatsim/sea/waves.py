@@ -153,7 +153,7 @@ def _integer(value: Any) -> Any:
 
 
 def _has_density(value: Any) -> Any:
-    if not callable(getattr(value, "density", None)):
+    if isinstance(value, type) or not callable(getattr(value, "density", None)):
         raise ValueError(
             f"got {value!r}; a spectrum is an object with density(omega): Jonswap(hs=.., tp=..), "
             "PiersonMoskowitz(hs=.., tp=..), another of floatsim.sea.SPECTRA or one of your own"
@@ -297,7 +297,7 @@ class CombinedWaves(Description):
     @model_validator(mode="after")
     def _independent(self) -> CombinedWaves:
         for item in self.waves:
-            if not callable(getattr(item, "realise", None)):
+            if isinstance(item, type) or not callable(getattr(item, "realise", None)):
                 raise ValueError(f"waves: got {item!r}; RegularWave, IrregularWaves or another description of waves")
         used = sorted(seed for item in self.waves for seed in seeds(item))
         twice = [seed for seed, following in pairwise(used) if seed == following]

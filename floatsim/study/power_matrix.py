@@ -165,12 +165,14 @@ def _axis(name: str, values: Any) -> Array:
 def read_occurrence(path: str | Path) -> tuple[Array, Array, Array]:
     """A scatter table: hs (n,) m, tp (m,) s, and shares of the year (n, m).
 
-    A text file, columns separated by commas, semicolons or blanks: the first line has a word, then every tp; the others
-    hs, then the shares. Raises CaseError for a file that is not like that.
+    A text file, columns separated by commas, semicolons or blanks: the first line has a word (or nothing), then every
+    tp; the others hs, then the shares. Raises CaseError for a file that is not like that.
     """
     try:
         lines = [line.replace(",", " ").replace(";", " ").split() for line in Path(path).read_text().splitlines()]
         head, *body = [line for line in lines if line]
+        if body and len(head) < len(body[0]):  # a spreadsheet's corner without a word
+            head = ["hs", *head]
         tp = np.array([float(word) for word in head[1:]])
         table = np.array([[float(word) for word in line] for line in body]).reshape(len(body), -1)
     except (OSError, UnicodeDecodeError, ValueError) as error:

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import floatsim as fs
+from floatsim.hydro.radiation import RadiationKernel
 from floatsim.study.sheet import cautions
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -577,3 +578,20 @@ def test_a_floater_that_capsizes(volturnus, database):
     assert len(lines) == 2 and all("body 'platform' has negative metacentric stiffness" in text for text in lines)
     expected = database.hydrostatic_stiffness[3, 3] - model.parts[0].mass * 9.81 * 20.0
     assert float(lines[0].split("roll: ")[1].split(" N")[0]) == pytest.approx(expected, rel=1e-3)
+
+
+def test_classes_instead_of_objects():
+    """The class itself has the methods, too: it is refused where it is given."""
+    buoy = body(name="buoy")
+    sea = fs.Sea(depth=10.0, waves=fs.RegularWave)
+    refused(fs.ModelError, lambda: fs.Model(parts=[buoy], sea=sea), ["got the class RegularWave itself"])
+    refused(fs.ModelError, lambda: fs.CombinedWaves(waves=[fs.RegularWave]), ["CombinedWaves: waves: got"])
+    refused(fs.ModelError, lambda: fs.IrregularWaves(spectrum=fs.Jonswap, seed=1), ["IrregularWaves: spectrum: got"])
+    refused(fs.ModelError, lambda: body(hydro=fs.Hull), ["hydro: got"])
+
+
+def test_long_memories_fit_into_memory(database):
+    """An hour of lags is worked out in blocks."""
+    long = RadiationKernel.from_database(database, memory=600.0, grid=0.5)
+    short = RadiationKernel.from_database(database, memory=60.0, grid=0.5)
+    assert np.abs(long.K[:80] - short.K[:80]).max() < 0.02 * np.abs(short.K).max()

@@ -68,8 +68,8 @@ def test_commands_on_pages_exist() -> None:
 
 def test_every_figure_is_drawn_and_shown() -> None:
     drawn = {path.stem for path in (ROOT / "docs" / "figures").glob("*.svg")}
-    script = (ROOT / "docs" / "make_figures.py").read_text(encoding="utf-8")
-    known = set(re.findall(r'^    "([a-z_]+)": \(\1, ', script, re.MULTILINE))
+    scripts = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*figures*.py"))]
+    known = {name for script in scripts for name in re.findall(r'^    "([a-z_0-9]+)": \(\1, ', script, re.MULTILINE)}
     page = (ROOT / "docs" / "verification.md").read_text(encoding="utf-8")
-    shown = set(re.findall(r"\(figures/([a-z_]+)\.svg\)", page))
+    shown = set(re.findall(r"\(figures/([a-z_0-9]+)\.svg\)", page))
     assert drawn == known == shown and drawn

@@ -146,3 +146,12 @@ def test_read_occurrence(tmp_path):
             fs.read_occurrence(file)
     with pytest.raises(fs.CaseError, match="nothing.csv"):
         fs.read_occurrence(tmp_path / "nothing.csv")
+
+
+def test_scatter_tables_of_spreadsheets(tmp_path):
+    """With an empty corner, with a word in it, or without a column for it."""
+    for corner in (",", "hs,", ""):
+        file = tmp_path / "scatter.csv"
+        file.write_text(f"{corner}6,8\n1,0.3,0.2\n2,0.1,0.4\n")
+        hs, tp, share = fs.read_occurrence(file)
+        assert (hs.tolist(), tp.tolist(), share.tolist()) == ([1.0, 2.0], [6.0, 8.0], [[0.3, 0.2], [0.1, 0.4]])
