@@ -73,7 +73,8 @@ class PotentialFlow(Description):
     hull: a mesh whose nonlinear Froude-Krylov and hydrostatic pressure replaces the linear ones (`floatsim.Hull`).
     drift: second-order wave forces, "newman" (from the database's mean drift), a QTF (`read_wamit_qtf`), or a tuple of
     a difference and a sum. slow_position: wave loads at the body's low-passed horizontal position and heading instead
-    of the drawing position.
+    of the drawing position. With a hull, whose Froude-Krylov forces go with the body, the default is to follow the
+    position, not the heading: diffraction that stayed behind would have another phase.
     """
 
     database: Any
@@ -87,7 +88,7 @@ class PotentialFlow(Description):
     memory_grid: Positive | None = None
     hull: Any = None
     drift: Any = None
-    slow_position: bool = False
+    slow_position: bool | None = None
 
     def model_post_init(self, context: Any) -> None:
         if not isinstance(self.database, HydroDatabase | str | Path):
@@ -158,6 +159,16 @@ class PotentialFlow(Description):
                 f"{nearest(self.body, known)}"
             )
         return self.data.index(self.body)
+
+    @property
+    def followed(self) -> bool:
+        """Whether waves meet the body at its slow position."""
+        return self.hull is not None if self.slow_position is None else self.slow_position
+
+    @property
+    def turns(self) -> bool:
+        """Whether they meet it at its slow heading, too."""
+        return bool(self.slow_position)
 
     @property
     def finds_pose(self) -> bool:
@@ -495,7 +506,7 @@ class FloaterBatch:
                 )
                 self.waves.append(None if waves is None else WaveLoads(
                     db, waves, body.position, heading, sea.wave_ramp, body=k, froude_krylov=flow.hull is None,
-                    drift=flow.drifts, slow_position=flow.slow_position))  # fmt: skip
+                    drift=flow.drifts, slow_position=flow.followed, turns=flow.turns))  # fmt: skip
             except ModelError as error:
                 raise ModelError([f"Body '{body.name}': {line}" for line in error.problems]) from None
             self.matrices[b, 0] = flow.linear_stiffness
@@ -520,14 +531,13 @@ class FloaterBatch:
                 raise ModelError([f"Body '{group.names}': {line}" for line in error.problems]) from None
             self._couple(group, 0, flow.data.added_mass_inf)
         self._Y, self._L, self._K = np.zeros((5, n, 6)), np.zeros((n, 3, 3)), np.zeros((6, 6))
+        self._rest: dict[int, Array] = {}  # where floaters that are followed stood when last evaluated in statics
 
-    @staticmethod
-    def _excitation(part: Floater, waves: Any, ramp: float) -> Excitation:
-        body, flow = part.body, part.flow
-        return Excitation.from_database(
-            flow.data, waves, body.position[:2], math.radians(body.attitude_deg[2]), ramp,
-            body=flow.index, froude_krylov=flow.hull is None,
-        )  # fmt: skip
+    def _at_rest(self, b: int) -> tuple[tuple[float, float], float]:
+        """Where the waves meet floater b on average: world (x, y) [m] and heading [rad]."""
+        body = self.parts[b].body
+        x, y, yaw = self._rest.get(b, (*body.position[:2], 0.0))
+        return (float(x), float(y)), math.radians(body.attitude_deg[2]) + float(yaw)
 
     def _couple(self, group: Group, which: int, matrix: Array) -> None:
         """Spread a matrix (6N, 6N) of a group over its pairs."""
@@ -570,6 +580,8 @@ class FloaterBatch:
         """World x, y [m] and yaw from the drawing heading [rad] of a floater, (3,)."""
         out = np.empty(3)
         _horizontal(x, q, self.where, self.P, b, self._L[b], out)
+        if not self.parts[b].flow.turns:
+            out[2] = 0.0
         return out
 
     def _ahead(self, b: int, t: float, state: Any) -> Array:
@@ -577,7 +589,7 @@ class FloaterBatch:
         p, k = self.where[b]
         s, i = t - state.t, (3 * p, 3 * p + 1, 3 * (len(state.x) + k) + 2)
         out = self._pose(b, state.x, state.q)
-        for n in range(3):
+        for n in range(3 if self.parts[b].flow.turns else 2):
             out[n] += s * (state.v[i[n]] + 0.5 * s * state.a[i[n]])
         return out
 
@@ -586,8 +598,10 @@ class FloaterBatch:
         drift, at the heading of the floater if that is followed."""
         if w.still:
             self.coupling[:, 1] = 0.0
+            self._rest = {b: self._pose(b, state.x, state.q) for b, part in enumerate(self.parts)
+                          if part.flow.followed}  # fmt: skip
             for b, waves in enumerate(self.waves):
-                yaw = self._pose(b, state.x, state.q)[2] if waves is not None and waves.slow_position else 0.0
+                yaw = self._rest[b][2] if waves is not None and waves.slow_position else 0.0
                 self.external[b] = 0.0 if waves is None else waves.mean_force(yaw)
             return
         for group, memory in zip(self.groups, history, strict=False):
@@ -639,10 +653,14 @@ class FloaterBatch:
         wave = Realisation(one, w, k, np.array([heading]), 0.0 * one, self._sea.depth, math.inf)
         F = np.zeros((len(self.parts), 6), dtype=np.complex128)
         for group in self.groups:
-            turn = self._turn(group)[:6, :6]
             for b, part in zip(_range(group), group.parts, strict=True):
+                flow, (place, psi) = part.flow, self._at_rest(b)
+                co, si = math.cos(psi), math.sin(psi)
+                turn = np.kron(np.eye(2), [[co, -si, 0.0], [si, co, 0.0], [0.0, 0.0, 1.0]])
                 try:
-                    F[b] = turn @ self._excitation(part, wave, 0.0).coefficients[0]
+                    F[b] = turn @ Excitation.from_database(
+                        flow.data, wave, place, psi, body=flow.index, froude_krylov=flow.hull is None
+                    ).coefficients[0]
                 except ModelError as error:
                     raise ModelError([f"Body '{part.body.name}': {line}" for line in error.problems]) from None
         return self._unknowns(n_point), F

@@ -57,6 +57,7 @@ class WaveLoads:
         froude_krylov: bool = True,
         drift: Drift | tuple[Drift, ...] | None = None,
         slow_position: bool = False,
+        turns: bool = True,
     ) -> None:
         """The reference point of `body` of `db` is drawn at `position` (x, y), m, and `heading`, rad.
 
@@ -64,6 +65,7 @@ class WaveLoads:
         froude_krylov  False: without the Froude-Krylov part of the excitation
         drift          "newman" (from the database's mean drift), a QTF, or several: difference and sum
         slow_position  whether `force` is to be asked at slow poses
+        turns          whether these have a yaw: headings that lack for it are refused at once
 
         Raises ModelError for headings, frequencies and parts that the database or the QTF lack, for a full QTF in a
         short-crested sea, and for two drifts of one kind.
@@ -95,7 +97,7 @@ class WaveLoads:
         waves = [sea.amplitude, sea.omega, k * np.cos(sea.heading), k * np.sin(sea.heading), sea.phase]
         self._waves = np.ascontiguousarray(np.stack(waves, axis=1))
         self._y = np.empty((2, sea.omega.size))
-        if slow_position:
+        if slow_position and turns:
             for side in (-0.5 * _STEP, 0.5 * _STEP):  # headings that lack are said now
                 for turning in (self._first, *self._second):
                     turning.at(side)
