@@ -90,7 +90,9 @@ def build(
     """
     if mooring is None:
         mooring = MOORING_STIFFNESS if umbilical else 0.0
-    flow: dict[str, Any] = {"radiation": radiation, "memory": memory}
+    flow: dict[str, Any] = {"radiation": radiation}
+    if radiation == "convolution":
+        flow["memory"] = memory
     all_laws = [fs.Linear(damping=pto_damping), *laws]
     if stops is not None:
         all_laws.append(

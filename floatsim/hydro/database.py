@@ -215,6 +215,8 @@ class HydroDatabase:
         }  # fmt: skip
         values = {key: factor * getattr(self, key) for key, factor in factors.items() if getattr(self, key) is not None}
         source = {**self.source, "froude_scale": float(self.source.get("froude_scale", 1.0)) * length}
+        for key in {"static_position", "static_draught"} & set(source):  # m
+            source[key] = (length * np.ravel(source[key])).tolist()
         return replace(self, **values, density=rho, source=source)
 
     @classmethod

@@ -6,12 +6,13 @@ reference point, with nu = (v, w), xi = (displacement, tilt and yaw) and u the c
     F = (0, 0, rho g V0, rho g V0 y_B0, -rho g V0 x_B0, 0)        constant buoyancy wrench
       - (C + K_add) xi                                           C = waterplane + rho g V z_B, no weight
       - A_inf nu' - B_add nu - B_quad |nu - u| (nu - u)          row i: sum_j B_ij |nu_j| nu_j
-      - int K(tau) nu(t - tau) dtau + Re sum X a e^{i(w t + ...)}
+      - int K(tau) nu(t - tau) dtau + Re sum X a e^{i(w t + ...)} + drift
 
 (Cummins 1962; hydrostatics: the buoyancy wrench stays at the displaced reference point and V z_B stands
 in C, so that a surge changes no moment and nothing is counted twice.) Simplifications that are the
-field's habit: excitation and coefficients at the drawing position, no velocity-product terms of the
-added mass, C xi linear in tilt and yaw. Weight acts on the body's mass, at any angle.
+field's habit: coefficients at the drawing position, excitation and drift there too or at the slow position
+(wave_loads.py), no velocity-product terms of the added mass, C xi linear in tilt and yaw. Weight acts on the body's
+mass, at any angle.
 
 Floaters whose descriptions share one database of N bodies feel each other's waves: A_inf and K are then (6N, 6N), nu
 and F those of all of them, one after the other, in the frame of their common heading. They must be drawn as far from
@@ -106,6 +107,10 @@ class PotentialFlow(Description):
                 f"{_quoted(self.data.bodies)}; say which one this is: body=\"{self.data.bodies[0]}\""
             )
         _ = self.index  # refuses what the database does not have
+        if self.radiation == "state_space" and (self.memory is not None or self.memory_grid is not None):
+            raise ModelError("PotentialFlow: memory and memory_grid belong to radiation='convolution'; leave them out")
+        if self.hull is not None and self.displaced_volume is not None:
+            raise ModelError("PotentialFlow: displaced_volume: with a hull its mesh displaces the water; leave it out")
         past, grid = self.remembered
         if past / grid > MAX_MEMORY:
             raise ModelError(
@@ -585,7 +590,7 @@ class FloaterBatch:
         return out
 
     def _ahead(self, b: int, t: float, state: Any) -> Array:
-        """The pose (3,) at time t if accelerations stay."""
+        """The pose (3,) at time t if accelerations stay; yaw by the turn about the vertical, for small tilts."""
         p, k = self.where[b]
         s, i = t - state.t, (3 * p, 3 * p + 1, 3 * (len(state.x) + k) + 2)
         out = self._pose(b, state.x, state.q)

@@ -2,9 +2,10 @@
 
 Either the floater stays at its drawing position (first-order theory; `slow` is None), or the waves meet it at its
 slow pose, (x, y, yaw) behind the low-pass filter of slow_position.py: their phases are those at the slow position and
-their headings those relative to the slow heading, and the loads act along its axes. As functions of the slow yaw the
-loads are known at whole degrees and linear in between (they have no jumps), each degree being made when it is first
-needed. A full QTF that knows one heading only is not turned: its force keeps size and direction relative to the waves.
+their headings those relative to the slow heading, and the loads act along its axes (a pose may keep yaw zero). As
+functions of the slow yaw the loads are known at whole degrees and linear in between (they have no jumps), each degree
+being made when it is first needed. A full QTF that knows one heading only is not turned: its force keeps size and
+direction relative to the waves.
 
 Statics contain the mean drift, and a run starts from there: so the ramp at the start, r(t), works on what
 oscillates about the mean. The force is r X y + F_mean + r^2 (F_2 - F_mean).
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
+_ROUND = 360  # steps of the slow yaw in a turn
 _STEP = math.radians(1.0)  # of the slow yaw, between headings at which the loads are made
 _SAID = 1e-3  # of the waves' energy products: below, what a QTF leaves out is not worth a message
 
@@ -173,10 +175,11 @@ class Turning(Generic[T]):
         """What belongs to the step below, to the one above (None if not needed) and the share of the latter."""
         j = 0 if self._fixed else math.floor(yaw / _STEP)
         share = 0.0 if self._fixed else yaw / _STEP - j
-        for i in (j, j + 1) if share > 0.0 else (j,):
+        low, high = j % _ROUND, (j + 1) % _ROUND  # a body may turn round and round
+        for i in (low, high) if share > 0.0 else (low,):
             if i not in self._made:
                 self._made[i] = self._make(i * _STEP)
-        return self._made[j], self._made[j + 1] if share > 0.0 else None, share
+        return self._made[low], self._made[high] if share > 0.0 else None, share
 
     def turned(self, yaw: float, force: Callable[[T], Array]) -> Array:
         """force (6,) of what belongs to the yaw, brought from the turned frame into that of the drawing heading."""

@@ -22,6 +22,7 @@ Dynamics of Mechanical Systems (1989), chapter 9: dot-1, dot-2, spherical and di
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
@@ -379,7 +380,7 @@ def separation_loads(x, R, where, P, mu, out):  # type: ignore[no-untyped-def]
             out[3 * e + m] = mu[e] * d[m] / P[e, 6]
 
 
-class Kind:
+class Kind(ABC):
     """All rows of one primitive, with the multipliers `first` to `first + n`.
 
     where: points and rotations of A and B of every row; numbers: what else a row knows; `own` picks this kind's
@@ -404,8 +405,9 @@ class Kind:
         return [g.a.point, g.a.rotation, g.b.point, g.b.rotation]
 
     @staticmethod
+    @abstractmethod
     def numbers_of(g: Any) -> list[float]:
-        raise NotImplementedError
+        """What a row knows besides its places."""
 
     def dofs(self, n_point: int, n_dof: int) -> Index:
         """Unknowns coupled by each row: x_A, turns of A, x_B, turns of B, multipliers, which start at n_dof."""
@@ -420,7 +422,7 @@ class Kind:
         m = math.isqrt(slots.shape[1])
         self._K = np.zeros((m, m))
 
-    def move(self, t: float) -> None:
+    def move(self, t: float) -> None:  # noqa: B027 - most kinds drive nothing
         """Bring what is driven to time t."""
 
 

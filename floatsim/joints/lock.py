@@ -193,11 +193,11 @@ class LockBatch:
     def switch(self, state: Any, history: list[Latch]) -> bool:
         """Let locks engage or release before a step from `state`; whether one did."""
         changed = False
-        for part, c, latch in zip(self.parts, self._coordinates, history, strict=True):
-            if latch.looked == state.t:  # a step that is tried again
-                continue
+        due = [each for each in zip(self.parts, self._coordinates, history, strict=True)
+               if each[2].looked != state.t]  # or a step is tried again  # fmt: skip
+        wants = [_wanted(part, latch, c, state) for part, c, latch in due]  # before any changes: a controller may fail
+        for (_, c, latch), want in zip(due, wants, strict=True):
             latch.looked = state.t
-            want = _wanted(part, latch, c, state)
             if want != latch.engaged:
                 latch.engaged, latch.held, latch.since, latch.rate = want, value(c, state)[0], state.t, 0.0
                 latch.striking = want

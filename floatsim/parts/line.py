@@ -589,7 +589,7 @@ class LineBatch:
         return float(2.0 * np.abs(self.P[:, DRY] - self.P[:, WATER]).sum() * self.env[GRAVITY])
 
     def bending_force(self) -> float:
-        """Largest EI/l0^2 [N]: a softer element would rather become shorter than bend."""
+        """Bound [N] of every EI/l0^2, largest EI/l0 over shortest l0: what is softer would shorten before it bends."""
         return float(self.k.max(initial=0.0) / self.P[:, L0].min())
 
     def let_out(self, state: Any) -> None:

@@ -269,11 +269,11 @@ class Hydraulics:
                     "stroke or end-stops")  # fmt: skip
         if wrong > 0:
             return f"PTO '{self.labels[wrong - 1]}': its hydraulics find no pressures (an accumulator is full?)"
-        for j, label in enumerate(self.labels):
-            low = float(min(self.new[j, P1], self.new[j, P2]))
-            if low < 0.0:
-                return (f"PTO '{label}': a chamber of its cylinder falls to {low:.3g} Pa: the oil would cavitate; "
-                        "give it a larger valve_area or low_pressure")  # fmt: skip
+        low = self.new[:, P1 : P2 + 1]
+        if low.min() < 0.0:
+            j = int(low.min(axis=1).argmin())
+            return (f"PTO '{self.labels[j]}': a chamber of its cylinder falls to {low[j].min():.3g} Pa: the oil would "
+                    "cavitate; give it a larger valve_area or low_pressure")  # fmt: skip
         return None
 
     def commit(self, now: Now) -> bool:

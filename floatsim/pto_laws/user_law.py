@@ -2,7 +2,8 @@
 
     force = function(t, s, v)                              without states
     force, rates = function(t, s, v, states)               continuous states, d(states)/dt = rates
-    force, new_states = function(t, s, v, states)          sampled: called every `sample_time`, force and states held
+    force, new_states = function(t, s, v, states)          sampled: called every `sample_time`, force and states held;
+                                                           in statics like a continuous one, with its first states
 
 Continuous states move with the step (runge_kutta.py). Derivatives are taken by central differences of the function. A
 sampled function (a digital controller) is called with what the accepted step ended with, at the first step that

@@ -22,6 +22,8 @@ What a batch offers the system (the protocol; a part's description names its bat
     start(state) -> history     optional: its memory, committed by commit(history, work) only when a
                                 step is accepted
     keep(state, before, after)  optional: what of the memory `before` outlives a new equilibrium
+    hold_back(work, before, after)  optional: what friction holds in a new equilibrium
+    wet_points, arms            optional: points where the water's motion is wanted; arms [m], for the size of the model
     outputs() -> [Output]       optional: what it has to tell, written for every sample by measure(work, out)
     ledger(work, book)          optional: energies and powers of the accepted step in `work`, not yet committed
                                 (study/energy.py)
@@ -96,7 +98,7 @@ class Numbering:
         return Place(self.first_point[k] + point, turn, arm)
 
     def coordinates(self, joint: str) -> dict[str, Any]:
-        """The coordinates of the joint with this label: name -> Slide, Turn or Distance."""
+        """The coordinates of the joint with this label: name -> Slide or Turn."""
         return dict(self._joints[joint].coordinates(self.place, self.attitude))
 
 

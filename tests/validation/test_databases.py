@@ -134,8 +134,9 @@ def test_heave_excitation_in_long_waves_is_the_waterplane(name):
     for body in range(len(db.bodies)):
         i = 6 * body + 2
         C, w = db.hydrostatic_stiffness[i, i], db.omega[0]
-        if C > 0.0 and w**2 * (db.density * db.volume[body] + db.added_mass[0, i, i]) < 0.05 * C:
-            assert abs(db.excitation[0, 0, i] / C - 1.0) < 0.1
+        if C > 0.0:
+            wanted = C - w**2 * (db.density * db.volume[body] + db.added_mass[0, i, 2::6].sum())
+            assert abs(db.excitation[0, 0, i] / wanted - 1.0) < 0.03
 
 
 @pytest.mark.parametrize("name", [name for name in OURS if name != "f3of"])  # which has four headings
@@ -262,4 +263,5 @@ def test_flap_of_the_f3of(record):
     record(label, "excitation in surge, flap, error / peak", error(force(db, omega, {6: 1.0}), F3OF[:, 7]), 0.05)
     record(label, "excitation about the hinge, error / peak", error(force(db, omega, arm), F3OF[:, 8]), 0.05)
     # boxes of the same section push more water aside than octagons
-    record(label, "added mass in surge, base, error / peak", error(entries(db, 0, 0, omega)[0], F3OF[:, 1]), 0.25)
+    record(label, "added mass in surge, base, error / peak", error(entries(db, 0, 0, omega)[0], F3OF[:, 1]), 0.15)
+    record(label, "excitation in surge, base, error / peak", error(force(db, omega, {0: 1.0}), F3OF[:, 6]), 0.10)

@@ -40,7 +40,8 @@ def test_surge_decay(record, guided):
     test = fs.decay_test(f3of.build(guided=guided), "surge", 5.0, body="base", duration=165.0)
     check = "F3OF, DT1: surge decay of 5 m, flaps locked, " + ("on a slider" if guided else "floating")
     record(check, "period", test.fit.period, around(SURGE), "s")
-    record(check, "crest of the third cycle: no larger than the first", test.fit.value[6], 5.0, "m")
+    record(check, "crest of the third cycle: no larger than the release, no lower than the participants'",
+           test.fit.value[6], (4.8, 5.0), "m")  # fmt: skip
     lean = [test.run.series(f"{body}_position")[:, 4] for body in ("base", "fore", "aft")]
     assert np.ptp(lean, axis=0).max() < 1e-9  # locked
 

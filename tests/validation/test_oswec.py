@@ -94,7 +94,7 @@ def test_state_space_is_the_convolution(record):
 
 
 def test_hull_is_the_linear_restoring_for_small_angles(record):
-    """And stiffer for larger ones: the tilted flap is wet over a longer part of itself."""
+    """For larger ones it is stiffer: the tilted flap is wet over a longer part of itself."""
     t, _ = extrema(*decay(1.0, 25.0), 0.0)
     t_hull, _ = extrema(*decay(1.0, 25.0, nonlinear=True), 0.0)
     check = "OSWEC, nonlinear hydrostatics"

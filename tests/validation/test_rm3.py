@@ -83,6 +83,7 @@ def test_decay(record, decay):
             if name == "spar" and n == 1:
                 # flat: a velocity of the spar of 30 micrometres a second moves it by that. It is the reference's
                 # step that shows, see test_step_of_the_reference; the row is missed and stays
+                assert 0.15 < late < 0.3  # as small steps say
                 with pytest.raises(AssertionError):
                     record(ROW, f"{what} (at {time:g} s): its time", late, (-0.1, 0.1), "s")
                 there = abs(float(np.interp(time, decay.time, y)) - value)
@@ -326,14 +327,17 @@ def test_small_waves(record):
 @pytest.mark.slow
 def test_pitch_is_excited_parametrically(record):
     """Without mooring, waves of nearly half the pitch period make it grow although nothing in them has its period;
-    with a mooring, which moves and couples it, they do not. Kept here to tell if that changes."""
+    with a mooring, which moves and couples it, they do not. The sizes are our own and have no bar."""
     waves = fs.RegularWave(height=HEIGHT, period=PERIOD)
-    for mooring, bar in ((0.0, (0.2, 0.6)), (rm3.MOORING_STIFFNESS, (0.02, 0.03))):
+    sizes = []
+    for mooring in (0.0, rm3.MOORING_STIFFNESS):
         run = fs.simulate(rm3.build(waves=waves, pto_damping=2.74e6, mooring=mooring), 700.0, 0.1)
         assert run.status == "done"
         pitch = run.series("spar_position")[run.time > 600.0, 4]
         what = f"damper 2.74e6 N s/m, mooring {mooring:g} N/m: amplitude of pitch after 600 s"
-        record(ROW_REGULAR, what, 0.5 * np.ptp(pitch), bar, "rad")
+        sizes.append(0.5 * np.ptp(pitch))
+        record(ROW_REGULAR, what, sizes[-1], "reported, no bar", "rad", holds=True)
+    assert sizes[0] > 5.0 * sizes[1]
 
 
 # --- control, stops, umbilical ----------------------------------------------------------------------

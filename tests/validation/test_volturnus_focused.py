@@ -143,9 +143,13 @@ def test_nonlinear_froude_krylov_is_linear_in_small_waves(record, which):
 def test_all_variants_run(record, which, variant):
     done = run(which, 1.0, variant)
     assert done.status == "done", done.failure
+    if variant == "linear":
+        return
     linear, q = np.abs(motions(run(which))).max(axis=0), np.abs(motions(done)).max(axis=0)
     for k, dof in enumerate(("surge", "heave", "pitch")):
-        record(CHECK, f"{which} group, {variant}: largest {dof} over the linear one", q[k] / linear[k], (0.5, 2.0))
+        ratio = q[k] / linear[k]
+        record(CHECK, f"{which} group, {variant}: largest {dof} over the linear one", ratio, "runs; reported",
+               holds=bool(0.5 < ratio < 2.0))  # fmt: skip
 
 
 @pytest.mark.slow

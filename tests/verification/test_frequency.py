@@ -157,10 +157,11 @@ def test_waves_on_hulls_and_members(kind, record):
 
 def test_drag_of_members_in_a_sea(record):
     """A spar that waves do not move: the force of their drag is that of the linearised formula, sqrt(8/pi) sigma_u a
-    strip (Borgman 1967), integrated over the depth."""
+    strip (Borgman 1967), integrated over the depth. The waves are low: the formula ends at z = 0, the member at the
+    surface, which is a part of order (k sigma)^2 more, 6 % of it with Hs 6 m."""
     omega = np.arange(0.3, 1.51, 0.05)
-    sea = fs.Jonswap(hs=6.0, tp=10.0)
-    load = fs.Member(a=(0.0, 0.0, -20.0), b=(0.0, 0.0, 5.0), diameter=0.6, drag_normal=1.0, buoyancy=True, strips=25)
+    sea = fs.Jonswap(hs=1.0, tp=10.0)
+    load = fs.Member(a=(0.0, 0.0, -20.0), b=(0.0, 0.0, 5.0), diameter=0.1, drag_normal=1.0, buoyancy=True, strips=25)
     body = fs.Body(name="pile", mass=1e4, inertia=(1e5, 1e5, 1e4), hydro=load)
     model = fs.Model(parts=[body], joints=[fs.Weld(a="pile", b=(0.0, 0.0, 0.0), name="foot")], sea=fs.Sea(depth=100.0))
     response = fs.frequency_response(model, omega, spectrum=sea, channels=["foot_force"])
@@ -168,11 +169,11 @@ def test_drag_of_members_in_a_sea(record):
     z = -np.arange(0.25, 20.0, 0.5)
     shape = np.cosh(k * (z[:, None] + 100.0)) / np.sinh(k * 100.0)
     sigma = np.sqrt(np.sum(S * (omega * shape) ** 2, axis=1) * 0.05)
-    drag = 0.5 * 1025.0 * 0.6 * np.sqrt(8.0 / np.pi) * 0.5 * (sigma[:, None] * omega * shape).sum(axis=0)
-    inertia = 1025.0 * np.pi * 0.09 * 0.5 * (omega**2 * shape).sum(axis=0)
+    drag = 0.5 * 1025.0 * 0.1 * np.sqrt(8.0 / np.pi) * 0.5 * (sigma[:, None] * omega * shape).sum(axis=0)
+    inertia = 1025.0 * np.pi * 0.0025 * 0.5 * (omega**2 * shape).sum(axis=0)
     got = np.abs(response.rao("foot_force")[:, 0])
     error = 100.0 * np.abs(got / np.abs(drag + 1j * inertia) - 1.0).max()
-    record(ROW_DRAG, "force on a pile: largest error over the frequencies", error, 5.0, "%")
+    record(ROW_DRAG, "force on a pile: largest error over the frequencies", error, 2.0, "%")
 
 
 BAD = {

@@ -221,7 +221,7 @@ def test_stable_for_long(record):
 
 
 def test_modes_with_a_lock():
-    """Engaged the cart has no mode left; released it has one."""
+    """Released, the cart has its own mode."""
     system, _ = oscillator()
     assert fs.natural_modes(system, count=1)[0].period == pytest.approx(T, rel=1e-6)
 
