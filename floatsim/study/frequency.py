@@ -45,6 +45,7 @@ SAMPLES = 1024  # states the damping is averaged over, at least; a power of two
 WAVE_SAMPLES = 256  # the same for the drag of waves on lines and members: good to about 1 % of that force
 MAX_ROUNDS = 50
 _SETTLED = 1e-3  # of the largest standard deviation of velocities, its change from round to round
+_QUADRATIC = ("W", "J")  # units of channels without a linear response
 _SMALL = 1e-4  # m, amplitude of the wave that channels are differentiated with
 _RANGE = (0.05, 3.0, 0.05)  # rad/s, where no database says better
 
@@ -71,8 +72,14 @@ class FrequencyResponse:
     def rao(self, channel: str) -> Complex:
         """Response of an output channel (n, ...) per metre of wave amplitude, as a run would show it in small waves.
 
-        Raises CaseError for a channel that is not there.
+        Raises CaseError for a channel that is not there, and for powers and energies, which go with the square.
         """
+        for c in self.sampler.channels:
+            if c.name == channel and c.units in _QUADRATIC:
+                raise CaseError(
+                    f"frequency_response: '{channel}' [{c.units}] goes with the square of the waves and has no linear "
+                    "response; find it from force and velocity, or from a run"
+                )
         rows = self._rows
         return self.sampler.column(rows.real, channel) + 1j * self.sampler.column(rows.imag, channel)
 
@@ -127,7 +134,7 @@ class FrequencyResponse:
         data: dict[str, Any] = {}
         rows = self._rows
         for c in self.sampler.channels:
-            if c.dtype != "float" or c.name == "step_size":
+            if c.dtype != "float" or c.name == "step_size" or c.units in _QUADRATIC:
                 continue
             part = self.sampler.column(rows.real, c.name) + 1j * self.sampler.column(rows.imag, c.name)
             unit = {"units": f"({c.units})/m", **({"units_dof": c.units_dof} if c.units_dof else {})}

@@ -100,7 +100,9 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
         draught = buoyancy / C[2, 2] if C[2, 2] > 0.0 else 0.0
         if hull is not None:
             draught = -float(hull[:, 2].min())
-        if net[2] < 0.0 and not heave > -draught:
+        if _jointed(model, body):
+            pass  # what is missing alone, a hinge may carry or hold: `cautions` looks at the equilibrium of them all
+        elif net[2] < 0.0 and not heave > -draught:
             why = "there is no waterplane to carry them"
             if heave < 0.0:
                 why = f"it would float {-heave:.3g} m deeper, more than its draught of {draught:.3g} m"
@@ -118,9 +120,39 @@ def _sheet(system: System, model: Model, body: Body, r: Array) -> BodySheet:
                 "buoyancy; coefficients belong to the drawing position"
             )
         for name, value in (("roll", roll), ("pitch", pitch)):
-            if value < 0.0:
+            if value < 0.0 and not _jointed(model, body):
                 warnings.append(f"has negative metacentric stiffness in {name}: {value:.4g} N m/rad; alone it capsizes")
     return BodySheet(body.name, weight, buoyancy, attached, net[:3], net[3:], heave, roll, pitch, tuple(warnings))
+
+
+def _jointed(model: Model, body: Body) -> bool:
+    """Whether a joint ties the body to the ground or to another body."""
+    targets = model.targets()
+    for joint in model.joints:
+        parts = [None if not isinstance(t, str) else targets[t][0] for t in joint.targets()]
+        if body in parts and any(p is None or (isinstance(p, Body) and p is not body) for p in parts):
+            return True
+    return False
+
+
+def _jointed_warnings(system: System) -> list[str]:
+    """Jointed bodies that float elsewhere than drawn, where their coefficients belong."""
+    bodies = [part for part in system.model.parts if isinstance(part, Body) and _jointed(system.model, part)]
+    found = [(b, flow) for b in bodies if (flow := potential_flow(b)) is not None and flow.hull is None]
+    if not found:
+        return []
+    state, _ = solve_static(system)
+    lines = []
+    for body, flow in found:
+        vertices = _own_vertices(flow)
+        rise = float(static_pose(system, state, body).position[2]) - body.position[2]
+        if vertices is not None and abs(rise) > _DRAUGHT * -float(vertices[:, 2].min()):
+            way = "higher" if rise > 0.0 else "deeper"
+            lines.append(
+                f"body '{body.name}' floats {abs(rise):.3g} m {way} than drawn, together with what it is jointed to; "
+                "coefficients belong to the drawing position"
+            )
+    return lines
 
 
 def cautions(system: System) -> list[str]:
@@ -138,7 +170,7 @@ def cautions(system: System) -> list[str]:
     if floaters:
         with contextlib.suppress(SolveFailed):  # whoever needs the equilibrium will say so
             lines += [f"body '{sheet.name}' {line}" for sheet in body_sheets(system) for line in sheet.warnings]
-            lines += pose_warnings(system)
+            lines += pose_warnings(system) + _jointed_warnings(system)
         for name, finding in database_findings(model):
             if finding.severity == "error":
                 lines.append(f"hydrodynamic database of '{name}', {finding.quantity}: {finding.message}")

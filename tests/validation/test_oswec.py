@@ -196,3 +196,10 @@ def test_a_decay_about_the_reference_point_is_refused():
     """Pitch about the centre of mass would open the hinge."""
     with pytest.raises(fs.CaseError, match="'flap' cannot be released from this offset"):
         fs.decay_test(oswec.build(), "pitch", 10.0, body="flap", duration=20.0)
+
+
+def test_what_the_hinge_carries_is_no_caution():
+    """The flap would rise and capsize alone; its hinge holds it."""
+    from floatsim.study.sheet import cautions
+
+    assert not [line for line in cautions(fs.assemble(oswec.build())) if "flap" in line]

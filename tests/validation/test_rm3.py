@@ -395,3 +395,19 @@ def test_umbilical_hangs_from_the_float(record):
     low = np.abs(place[0, :, 2] + 29.0).argmin()
     gap = np.hypot(place[0, low, 0], place[0, low, 1]) - 0.5 * rm3.SHAPE["spar"][3]
     record(ROW_CONTROL, "umbilical: clearance from the heave plate at rest", gap, (1.0, 10.0), "m")
+
+
+def test_jointed_bodies_are_judged_together():
+    """A float 100 t too heavy drags nothing along: it floats 100e3/(1000 * 263 m2) m = 0.37 m deeper alone, and is told
+    so; the spar on its own slider stays. What a hinge carries is no warning (OSWEC, whose flap would rise alone)."""
+    from floatsim.study.sheet import cautions
+
+    model = rm3.build()
+    heavy = [
+        fs.Body(**{**dict(part), "mass": part.mass + 1e5}) if isinstance(part, fs.Body) and part.name == "float" else part
+        for part in model.parts
+    ]
+    lines = cautions(fs.assemble(fs.Model(**{**dict(model), "parts": heavy})))
+    assert [line for line in lines if "float" in line and "deeper than drawn, together with" in line]
+    assert not [line for line in lines if "'spar'" in line and "drawn" in line]
+    assert not [line for line in cautions(fs.assemble(model)) if "drawn" in line]

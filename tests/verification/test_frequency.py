@@ -192,3 +192,17 @@ def test_bad_input(db, case):
     call, message = BAD[case]
     with pytest.raises(fs.CaseError, match=message):
         call(moored(db))
+
+
+def test_powers_have_no_linear_response():
+    import sys
+
+    from shipped import MODELS
+
+    sys.path.insert(0, str(MODELS))
+    import rm3
+
+    response = fs.frequency_response(rm3.build(), [0.5, 0.8])
+    with pytest.raises(fs.CaseError, match="goes with the square"):
+        response.rao("pto_power")
+    assert "pto_power_amplitude" not in response.dataset()
