@@ -404,8 +404,7 @@ def test_jointed_bodies_are_judged_together():
 
     model = rm3.build()
     heavy = [
-        fs.Body(**{**dict(part), "mass": part.mass + 1e5}) if isinstance(part, fs.Body) and part.name == "float" else part
-        for part in model.parts
+        fs.Body(**{**dict(part), "mass": part.mass + 1e5}) if part.name == "float" else part for part in model.parts
     ]
     lines = cautions(fs.assemble(fs.Model(**{**dict(model), "parts": heavy})))
     assert [line for line in lines if "float" in line and "deeper than drawn, together with" in line]
