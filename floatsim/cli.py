@@ -58,8 +58,9 @@ def _table(title: str, columns: list[str], rows: list[list[str]], prose: bool = 
     return table
 
 
-def _load(script: str, parameters: list[str], **case: Any) -> tuple[Any, dict[str, Any]]:
-    """(system, attributes for the output file); warnings go to stderr. case: what else a result depends on."""
+def _load(script: str, parameters: list[str], waves: Any = None, **case: Any) -> tuple[Any, dict[str, Any]]:
+    """(system, attributes for the output file); warnings go to stderr. waves: instead of the model's own; case: what
+    else a result depends on."""
     from floatsim.jit import cache_is_cold
     from floatsim.study.script import input_hash, load_model, parse_parameters
     from floatsim.study.sheet import cautions
@@ -67,6 +68,9 @@ def _load(script: str, parameters: list[str], **case: Any) -> tuple[Any, dict[st
     values = parse_parameters(parameters)
     cold = cache_is_cold()  # building a model may compile a kernel or two
     model = load_model(script, values)
+    if waves is not None:
+        sea = floatsim.Sea(**{**dict(model.sea), "waves": waves})
+        model, case = floatsim.Model(**{**dict(model), "sea": sea}), {**case, "waves": repr(waves)}
     if cold:
         said = "floatsim: compiling its kernels, once for this version on this machine (up to a minute) ..."
         typer.echo(said, err=True)
@@ -80,6 +84,24 @@ def _load(script: str, parameters: list[str], **case: Any) -> tuple[Any, dict[st
         "input_hash": input_hash(script, values, case, model),
     }
     return system, attributes
+
+
+def _waves(duration: float, hs: float | None, tp: float | None, height: float | None, period: float | None,
+           heading: float, seed: int) -> Any:  # fmt: skip
+    """The waves that options describe, or None."""
+    pairs = (("--hs", hs), ("--tp", tp)), (("--height", height), ("--period", period))
+    for (a, x), (b, y) in pairs:
+        if (x is None) != (y is None):
+            there, lacks = (a, b) if y is None else (b, a)
+            raise CaseError(f"{there} is given without {lacks}: waves need both")
+    if hs is not None and height is not None:
+        raise CaseError("--hs and --tp are a sea, --height and --period one regular wave: give one of them")
+    if hs is not None and tp is not None:
+        return floatsim.IrregularWaves(spectrum=floatsim.Jonswap(hs=hs, tp=tp), seed=seed, heading_deg=heading,
+                                       duration=max(3600.0, duration))  # fmt: skip
+    if height is not None and period is not None:
+        return floatsim.RegularWave(height=height, period=period, heading_deg=heading)
+    return None
 
 
 def _writable(output: str | None) -> None:
@@ -273,10 +295,22 @@ def run(
     channel: Annotated[list[str], typer.Option(help="Keep this channel only; repeatable.")] = [],  # noqa: B006
     precision: Annotated[str, typer.Option(help="float64 or float32.")] = "float64",
     energy: Annotated[bool, typer.Option("--energy", help="Keep books of all work and stored energy.")] = False,
+    hs: Annotated[float | None, typer.Option(help="Significant height of a JONSWAP sea, with --tp.")] = None,
+    tp: Annotated[float | None, typer.Option(help="Its peak period, seconds.")] = None,
+    height: Annotated[float | None, typer.Option(help="Height of a regular wave, metres, with --period.")] = None,
+    period: Annotated[float | None, typer.Option(help="Its period, seconds.")] = None,
+    heading: Annotated[float, typer.Option(help="Direction these waves travel towards, DEGREES from x.")] = 0.0,
+    seed: Annotated[int, typer.Option(help="Of the sea's phases.")] = 1,
 ) -> None:
-    """Simulate from the static equilibrium and write a netCDF file."""
+    """Simulate from the static equilibrium and write a netCDF file.
+
+    Waves given here replace those of the model.
+    """
+    from floatsim.study.report import pto_tables
+
     _writable(output)
-    system, attributes = _load(script, p, command="run", duration=duration, dt=dt, interval=interval,
+    waves = _waves(duration, hs, tp, height, period, heading, seed)
+    system, attributes = _load(script, p, waves, command="run", duration=duration, dt=dt, interval=interval,
                                channels=channel, precision=precision, energy=energy)  # fmt: skip
     with _Bar(duration) as show:
         result = floatsim.simulate(
@@ -284,6 +318,8 @@ def run(
             precision=precision, attributes=attributes, progress=show, energy=energy,  # type: ignore[arg-type]
         )  # fmt: skip
     _say_run(_console(), result)
+    for title, columns, rows in pto_tables(result):
+        _console().print(_table(title, columns, rows))
     if result.energy is not None:
         _console().print(result.energy.summary())
     if result.status == "failed":

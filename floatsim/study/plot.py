@@ -1,4 +1,5 @@
-"""A page of plots from a result file: motions, lines over the seabed and along their length, solver history.
+"""A page of plots from a result file: motions, PTOs, joints, rotors, lines over the seabed and along their length,
+solver history.
 
 Lines are drawn in their vertical plane: that through the ends of one line, or the one that all lines lie in. Along a
 line, runs show the mean and a band from the smallest to the largest value. Angles are shown in degrees, forces in kN;
@@ -27,6 +28,11 @@ _ALONG = {  # quantity along a line -> label, scale
     "tension_utilisation": ("tension utilisation [-]", 1.0),
     "curvature_utilisation": ("curvature utilisation [-]", 1.0),
 }
+_TOLD = {  # channels of one number: ending -> label, scale
+    "displacement": "displacement", "velocity": "velocity", "force": "force", "power": "power", "thrust": "thrust",
+    "torque": "torque", "speed": "speed", "pitch": "blade pitch",
+}  # fmt: skip
+_SHOWN = {"N": ("kN", 1e-3), "N m": ("kN m", 1e-3), "W": ("kW", 1e-3), "rad": ("deg", 180.0 / np.pi)}
 _OVERVIEW = ("tension", "curvature")  # what is drawn when no line is asked for
 
 
@@ -56,8 +62,8 @@ def plot_file(
         if line is not None:
             panels = _line_panels(data, [line], tuple(_ALONG))
         else:
-            panels = [*_motion_panels(data), *_wave_panel(data), *_line_panels(data, known, _OVERVIEW),
-                      *_solver_panels(data)]  # fmt: skip
+            panels = [*_motion_panels(data), *_wave_panel(data), *_told_panels(data),
+                      *_line_panels(data, known, _OVERVIEW), *_solver_panels(data)]  # fmt: skip
         if not panels:
             raise CaseError(f"'{path}' holds nothing that could be plotted: {', '.join(map(str, data.data_vars))}")
         rows = (len(panels) + 1) // 2
@@ -132,6 +138,28 @@ def _wave_panel(data: Any) -> list[Any]:
         ax.set_ylabel("wave elevation [m]")
 
     return [draw]
+
+
+def _told_panels(data: Any) -> list[Any]:
+    """What PTOs, joints and rotors tell: a panel for every quantity and unit, a curve for each of them."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for channel in map(str, data.data_vars):
+        ending = channel.rpartition("_")[2]
+        if ending in _TOLD and data[channel].dims == ("time",) and data[channel].values.any():
+            groups.setdefault((ending, str(data[channel].attrs.get("units", ""))), []).append(channel)
+
+    def panel(ending: str, unit: str, channels: list[str]) -> Any:
+        shown, scale = _SHOWN.get(unit, (unit, 1.0))
+
+        def draw(ax: Any) -> None:
+            for channel in channels:
+                _curve(ax, data.time.values, scale * data[channel].values, channel.removesuffix(f"_{ending}"))
+            ax.set_ylabel((f"{channels[0].removesuffix(f'_{ending}')} " if len(channels) == 1 else "")
+                          + f"{_TOLD[ending]} [{shown}]")  # fmt: skip
+
+        return draw
+
+    return [panel(*key, channels) for key, channels in groups.items()]
 
 
 def _line_panels(data: Any, lines: list[str], quantities: tuple[str, ...]) -> list[Any]:

@@ -9,10 +9,13 @@ import numpy as np
 
 from floatsim.parts.body import Body
 from floatsim.parts.line import Line
+from floatsim.parts.pto import PTO
 from floatsim.study.channels import Sampler
 from floatsim.study.frequency import FrequencyResponse
+from floatsim.study.power import mean_power
 from floatsim.study.power_matrix import PowerMatrix
 from floatsim.study.release import DOFS, DecayTest, pose
+from floatsim.study.simulate import Run
 from floatsim.study.store import Writer
 from floatsim.system.state import State
 from floatsim.system.system import System
@@ -98,11 +101,40 @@ def rao_tables(response: FrequencyResponse) -> list[Table]:
             sigma = response.std(f"{body.name}_position") * scale
             row = [body.name, *map(_short, sigma)]
             tables.append(("standard deviations in the sea [m, deg]", ["body", *DOFS], [row]))
+    for pto in (part for part in response.sampler.system.model.parts if isinstance(part, PTO)):
+        kinds = ("displacement", "velocity", "force")
+        size = np.abs([response.rao(f"{pto.name}_{kind}") for kind in kinds]).T
+        turn = any(c.name == f"{pto.name}_displacement" and c.units == "rad" for c in response.sampler.channels)
+        title = (f"PTO '{pto.name}' " + ("[rad/m, rad/s/m, N m/m]" if turn else "[m/m, m/s/m, N/m]")
+                 + " per metre of wave amplitude")  # fmt: skip
+        rows = [[f"{w:.3f}", f"{2.0 * np.pi / w:.2f}", *map(_short, size[k])]
+                for k, w in zip(shown, response.omega[shown], strict=True)]  # fmt: skip
+        tables.append((title, ["rad/s", "s", *kinds], rows))
+        if response.density is not None:
+            row = [pto.name, *(_short(float(response.std(f"{pto.name}_{kind}"))) for kind in kinds)]
+            tables.append(("standard deviations in the sea", ["PTO", *kinds], [row]))
     return tables
 
 
+def pto_tables(run: Run) -> list[Table]:
+    """What the PTOs of a run absorbed after the waves' ramp (in all, if it is shorter), how far and hard they went."""
+    model = run.sampler.system.model
+    kept = {c.name for c in run.sampler.channels}
+    ramp = model.sea.wave_ramp if model.sea.waves is not None else 0.0
+    since = run.time[0] + (ramp if ramp < run.simulated_time - 1.0 else 0.0)
+    rows = []
+    for pto in (part for part in model.parts if isinstance(part, PTO)):
+        kinds = ("displacement", "force")
+        if {f"{pto.name}_{kind}" for kind in (*kinds, "energy")} <= kept and len(run.time) > 2:
+            s, f = (run.series(f"{pto.name}_{kind}") for kind in kinds)
+            rows.append([pto.name, _short(mean_power(run, pto.name, since) / 1e3), _short(s.min()), _short(s.max()),
+                         _short(f.min() / 1e3), _short(f.max() / 1e3)])  # fmt: skip
+    heads = ["PTO", "mean power [kW]", "least stroke [m, rad]", "largest", "least force [kN, kN m]", "largest"]
+    return [(f"PTOs, power from {since:g} s on", heads, rows)] if rows else []
+
+
 def _short(y: float) -> str:
-    return f"{y:.3g}" if y >= 5e-4 else "0"
+    return f"{y:.3g}" if abs(y) >= 5e-4 else "0"
 
 
 def power_tables(matrix: PowerMatrix) -> list[Table]:

@@ -110,3 +110,26 @@ def test_occurrence_and_axes_must_agree(floatsim):
     Path("scatter.csv").write_text("hs,7\n0.5,0.25\n")
     status, _, said = floatsim("power", RM3, "--hs", "1", "--occurrence", "scatter.csv")
     assert status == 2 and "are not those of 'scatter.csv'" in said
+
+
+def test_waves_of_a_run(floatsim):
+    """A regular wave of 1.2 m is in the file and named in it, and the PTO's mean power is shown: F s' of the file."""
+    status, said, error = floatsim("run", RM3, "--duration", "160", "-o", "run.nc", "--height", "1.2", "--period", "8")
+    assert status == 0, error
+    with xr.open_dataset("run.nc") as data:
+        assert float(abs(data.wave_elevation[1000:]).max()) == pytest.approx(0.6, rel=0.01)
+        late = data.sel(time=slice(100.0, None))
+        power = float(-(late.pto_force * late.pto_velocity).integrate("time") / 60.0)
+    row = next(line.split() for line in said.splitlines() if line.split()[:1] == ["pto"])
+    assert float(row[1]) == pytest.approx(abs(power) / 1e3, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [(["--hs", "2"], "--hs is given without --tp"), (["--period", "8"], "--period is given without --height"),
+     (["--hs", "2", "--tp", "8", "--height", "1", "--period", "8"], "give one of them"),
+     (["--hs", "-2", "--tp", "8"], "must be a positive number")],
+)  # fmt: skip
+def test_waves_that_cannot_be(floatsim, arguments, words):
+    status, _, error = floatsim("run", RM3, "--duration", "10", *arguments)
+    assert status == 2 and words in error

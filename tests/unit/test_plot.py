@@ -140,3 +140,28 @@ def test_one_line_and_part_of_a_run(riser, tmp_path):
     with pytest.raises(CaseError, match="start: got 2 s, after the end at 1 s"):
         plot_file(riser, tmp_path / "a.png", start=2.0, end=1.0)
     assert not (tmp_path / "a.png").exists()
+
+
+def test_ptos_and_rotors_have_panels(tmp_path):
+    """One panel for every quantity and unit: two sliders share one, a hinge's angle has its own, in degrees."""
+    from floatsim.study.plot import _told_panels
+
+    channels = (
+        Channel("a_force", "force", "N"), Channel("b_force", "force", "N"), Channel("c_displacement", "angle", "rad"),
+        Channel("wave_elevation", "wave elevation", "m"), Channel("d_power", "never moved", "W"),
+    )  # fmt: skip
+    with Writer(tmp_path / "out.nc", channels) as writer:
+        for k in range(5):
+            writer.append(0.1 * k, [1e3 * k, 2e3 * k, 0.1 * k, 1.0, 0.0])
+    import matplotlib.pyplot as plt
+    import xarray
+
+    with xarray.open_dataset(tmp_path / "out.nc") as data:
+        panels = _told_panels(data)
+        figure, axes = plt.subplots(1, 2)
+        for ax, draw in zip(axes, panels, strict=True):
+            draw(ax)
+    assert [ax.get_ylabel() for ax in axes] == ["force [kN]", "c displacement [deg]"]
+    assert axes[0].lines[1].get_ydata()[-1] == pytest.approx(8.0)
+    assert axes[1].lines[0].get_ydata()[-1] == pytest.approx(np.degrees(0.4))
+    plt.close(figure)
