@@ -92,7 +92,9 @@ class Case:
 
 def _settings(run: RunSettings) -> dict[str, Any]:
     """What of the settings changes results: not the patience with them."""
-    return {name: value for name, value in asdict(run).items() if name != "time_limit"}
+    own = {**vars(run), "fatigue": dict(run.fatigue)}
+    del own["time_limit"]
+    return own
 
 
 def _text(data: Any) -> str:

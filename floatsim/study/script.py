@@ -10,7 +10,8 @@ import json
 import sys
 import traceback
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from floatsim.model import Model
 from floatsim.sea.waves import wave_files
 
 _PREFIX = "floatsim_model_"  # of the module names of scripts
+DECK = ("depth", "name")  # parameters of a MoorDyn file
 
 
 def parse_parameters(pairs: Sequence[str]) -> dict[str, Any]:
@@ -47,55 +49,97 @@ def _value(text: str) -> Any:
         return text
 
 
+class Script:
+    """A model script that has been read: call it with the parameters of its build().
+
+    takes: names of build's parameters. needs: those without a default. Raises ModelError, naming script and line, if
+    the file is missing, raises or has no build. A MoorDyn file takes depth and name.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = path
+        self._file = file = Path(path)
+        self._build: Any = None
+        self.takes: tuple[str, ...] = DECK
+        self.needs: tuple[str, ...] = ()
+        if not file.is_file():
+            raise ModelError(f"model script '{path}': there is no such file")
+        if file.suffix.lower() in (".txt", ".dat"):
+            return
+        if file.suffix != ".py":
+            raise ModelError(
+                f"model script '{path}': a Python file (.py) with a build(), or a MoorDyn file, is needed"
+            )
+        spec = importlib.util.spec_from_file_location(_PREFIX + file.stem, file)
+        assert spec is not None and spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        with self._neighbours():
+            _guarded(file, spec.loader.exec_module, module)
+        self._build = getattr(module, "build", None)
+        if not callable(self._build):
+            raise ModelError(f"model script '{path}' has no function build(**parameters) that returns a floatsim.Model")
+        known = _named(self._build)
+        self.takes = tuple(known)
+        self.needs = tuple(name for name, p in known.items() if p.default is p.empty)
+
+    def __call__(self, parameters: dict[str, Any]) -> Model:
+        """The model. Raises ModelError if build raises, gives no Model or does not take a parameter."""
+        if self._build is None:
+            return load_deck(self._file, parameters).model
+        _check_names(self.path, self._build, parameters)
+        with self._neighbours():
+            model = _guarded(self._file, self._build, **parameters)
+        if not isinstance(model, Model):
+            raise ModelError(
+                f"model script '{self.path}': build() returned {type(model).__name__}, a floatsim.Model is needed"
+            )
+        return model
+
+    @contextmanager
+    def _neighbours(self) -> Iterator[None]:
+        """Scripts may import their neighbours."""
+        folder = str(self._file.parent.resolve())
+        sys.path.insert(0, folder)
+        try:
+            yield
+        finally:
+            sys.path.remove(folder)
+
+
 def load_model(path: str | Path, parameters: dict[str, Any] | None = None) -> Model:
     """Run the script's `build` with `parameters`.
 
     Raises ModelError, naming script and line, if the file is missing, raises, has no build, gives no Model, or if
     build does not take a parameter (with the nearest it does).
     """
-    file = Path(path)
-    parameters = parameters or {}
-    if not file.is_file():
-        raise ModelError(f"model script '{path}': there is no such file")
-    if file.suffix.lower() in (".txt", ".dat"):
-        return load_deck(file, parameters).model
-    if file.suffix != ".py":
-        raise ModelError(f"model script '{path}': a Python file (.py) with a build(), or a MoorDyn file, is needed")
-    spec = importlib.util.spec_from_file_location(_PREFIX + file.stem, file)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.path.insert(0, str(file.parent.resolve()))  # scripts may import their neighbours
-    try:
-        _guarded(file, spec.loader.exec_module, module)
-        build = getattr(module, "build", None)
-        if not callable(build):
-            raise ModelError(f"model script '{path}' has no function build(**parameters) that returns a floatsim.Model")
-        _check_names(path, build, parameters)
-        model = _guarded(file, build, **parameters)
-    finally:
-        sys.path.remove(str(file.parent.resolve()))
-    if not isinstance(model, Model):
-        raise ModelError(f"model script '{path}': build() returned {type(model).__name__}, a floatsim.Model is needed")
-    return model
+    return Script(path)(parameters or {})
 
 
 def load_deck(path: str | Path, parameters: dict[str, Any] | None = None) -> Any:
     """A MoorDyn file; of `parameters` it takes depth and name. Raises ModelError."""
     from floatsim.study.moordyn import read_moordyn
 
-    known = ["depth", "name"]
-    wrong = [name for name in parameters or {} if name not in known]
+    wrong = [name for name in parameters or {} if name not in DECK]
     if wrong:
-        raise ModelError([f"MoorDyn file '{path}' takes no '{n}'{nearest(n, known)}" for n in wrong])
+        raise ModelError([f"MoorDyn file '{path}' takes no '{n}'{nearest(n, DECK)}" for n in wrong])
     return read_moordyn(path, **(parameters or {}))
+
+
+def _named(build: Any) -> dict[str, inspect.Parameter]:
+    """Parameters of a build that have names."""
+    try:
+        takes = inspect.signature(build).parameters.values()
+    except (TypeError, ValueError):  # something built in: it will speak for itself
+        return {}
+    return {p.name: p for p in takes if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
 
 
 def _check_names(path: str | Path, build: Any, parameters: dict[str, Any]) -> None:
     try:
         takes = inspect.signature(build).parameters.values()
-    except (TypeError, ValueError):  # something built in: it will speak for itself
+    except (TypeError, ValueError):
         return
-    known = {p.name: p for p in takes if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+    known = _named(build)
     if not any(p.kind is p.VAR_KEYWORD for p in takes):
         wrong = [name for name in parameters if name not in known]
         if wrong:
@@ -138,19 +182,53 @@ def _listed(parameters: dict[str, Any]) -> str:
     return ", ".join(f"{name}={value!r}" for name, value in parameters.items())
 
 
+def script_files(path: str | Path) -> list[Path]:
+    """The script and what it needs of its folder: files that it imports, directly or through others, and files whose
+    names stand in them as text, such as a table that is read."""
+    script = Path(path).resolve()
+    found: set[Path] = set()
+    waiting = {script}
+    while waiting:
+        file = waiting.pop()
+        found.add(file)
+        if file.suffix == ".py":
+            waiting |= _needed_by(file, script.parent) - found
+    return [script, *sorted(found - {script})]
+
+
+def _needed_by(file: Path, folder: Path) -> set[Path]:
+    """Files in `folder` that a Python file imports, in functions too (of a package all), or names."""
+    imported, named = set(), set()
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            imported |= {item.name.partition(".")[0] for item in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            imported.add(node.module.partition(".")[0])
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            named.add(node.value)
+    there = {item.name: item for item in folder.iterdir() if item.is_file()}
+    names = named | {f"{name}.py" for name in imported}
+    out = {there[name] for name in names if name in there}
+    return out.union(*((folder / name).rglob("*.py") for name in imported))
+
+
+def data_files(model: Model) -> list[Path]:
+    """Files that a model was read from: hydrodynamic databases, measured waves."""
+    loads = (load for part in model.parts for load in getattr(part, "water_loads", ()))
+    return [Path(file) for load in loads for file in load.files()] + [Path(f) for f in wave_files(model.sea.waves)]
+
+
+def content_hash(files: Sequence[Path], *more: Any) -> str:
+    """SHA-256 of what is in the files (of a folder: in all of its files) and of plain data."""
+    digest = hashlib.sha256()
+    for file in files:
+        for one in sorted(f for f in file.rglob("*") if f.is_file()) if file.is_dir() else [file]:
+            digest.update(one.read_bytes())
+    for item in more:
+        digest.update(json.dumps(item, sort_keys=True, default=str).encode())
+    return digest.hexdigest()
+
+
 def input_hash(path: str | Path, parameters: dict[str, Any], case: dict[str, Any], model: Model) -> str:
     """SHA-256 of everything a run was made from: script and the neighbours it imports, parameters, case, databases."""
-    digest = hashlib.sha256(Path(path).read_bytes())
-    folder = Path(path).resolve().parent
-    files = {str(getattr(module, "__file__", None) or "") for module in list(sys.modules.values())}
-    for file in sorted(f for f in files if f.endswith(".py") and Path(f).resolve().parent == folder):
-        if Path(file).resolve() != Path(path).resolve():
-            digest.update(Path(file).read_bytes())
-    digest.update(json.dumps([parameters, case], sort_keys=True, default=str).encode())
-    for part in model.parts:
-        for load in getattr(part, "water_loads", ()):
-            for file in load.files():
-                digest.update(Path(file).read_bytes())
-    for file in wave_files(model.sea.waves):
-        digest.update(Path(file).read_bytes())
-    return digest.hexdigest()
+    return content_hash([*script_files(path), *data_files(model)], [parameters, case])
