@@ -6,9 +6,13 @@ The public names, one import path each. Light to import: xarray, netCDF4, matplo
 loaded where they are used.
 """
 
+from floatsim.cases.case import Case, RunSettings
+from floatsim.cases.environment import build_case
+from floatsim.cases.matrix import Matrix, read_matrix
 from floatsim.errors import CaseError, FloatsimError, ModelError, SolveFailed
 from floatsim.hydro.check import check_database
 from floatsim.hydro.database import HydroDatabase
+from floatsim.hydro.far_field import FreeFloating
 from floatsim.hydro.floater import PotentialFlow
 from floatsim.hydro.hull import Hull
 from floatsim.hydro.qtf import QTF, read_wamit_qtf
@@ -74,24 +78,27 @@ from floatsim.study.power import capture_width, mean_power, wave_power
 from floatsim.study.power_matrix import PowerMatrix, power_matrix, read_occurrence
 from floatsim.study.ranges import RangeGraph, range_graph
 from floatsim.study.release import DecayTest, decay_test
-from floatsim.study.simulate import Run, simulate
+from floatsim.study.simulate import Run, resume, simulate
+from floatsim.study.statistics import Statistics, StatisticsSettings, statistics
 from floatsim.system.state import State
 from floatsim.system.system import System, assemble
 from floatsim.version import __version__
 
 __all__ = [
     "__version__", "Arc", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break",
-    "Bretschneider", "capture_width", "CaseError", "Catenary", "check_database", "Clamp", "CombinedWaves",
-    "CompressionOnly", "Coulomb", "Current", "CurrentTable", "Cylindrical", "decay_test", "DecayTest",
-    "diameter_from_weights", "Disc", "ElevationSeries", "EndStop", "Energy", "Engineering", "Expected",
-    "FloatsimError", "FocusedWave", "ForceTable", "frequency_response", "FrequencyResponse", "generalised_alpha",
-    "hht", "Hinge", "Hull", "Hydraulic", "HydroDatabase", "IrregularWaves", "Jonswap", "Line", "Linear", "Lock",
-    "mean_power", "Member", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport", "Motion", "natural_modes",
-    "newmark", "Nodes", "OchiHubble", "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine",
-    "Polynomial", "PotentialFlow", "power_matrix", "PowerLaw", "PowerMatrix", "Prescribed", "PTO", "QTF",
-    "range_graph", "RangeGraph", "read_hydro", "read_moordyn", "read_occurrence", "read_wamit", "read_wamit_qtf",
-    "RegularWave", "Rod", "Run", "Scheme", "Sea", "Seabed", "Section", "section_lengths", "simulate", "sizing",
-    "Slider", "solve_static", "SolveFailed", "SpectrumTable", "Spring", "State", "StaticDynamic", "StaticReport",
-    "step", "Stepper", "StepReport", "Straight", "System", "TautMooring", "TensionOnly", "TensionTable",
-    "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power", "WaveComponents", "Weld", "WhiteNoise",
+    "Bretschneider", "build_case", "capture_width", "Case", "CaseError", "Catenary", "check_database", "Clamp",
+    "CombinedWaves", "CompressionOnly", "Coulomb", "Current", "CurrentTable", "Cylindrical", "decay_test",
+    "DecayTest", "diameter_from_weights", "Disc", "ElevationSeries", "EndStop", "Energy", "Engineering", "Expected",
+    "FloatsimError", "FocusedWave", "ForceTable", "FreeFloating", "frequency_response", "FrequencyResponse",
+    "generalised_alpha", "hht", "Hinge", "Hull", "Hydraulic", "HydroDatabase", "IrregularWaves", "Jonswap", "Line",
+    "Linear", "Lock", "Matrix", "mean_power", "Member", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport",
+    "Motion", "natural_modes", "newmark", "Nodes", "OchiHubble", "Piece", "PiersonMoskowitz", "PointBuoy",
+    "PointMass", "PointOnLine", "Polynomial", "PotentialFlow", "power_matrix", "PowerLaw", "PowerMatrix",
+    "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_hydro", "read_matrix", "read_moordyn",
+    "read_occurrence", "read_wamit", "read_wamit_qtf", "RegularWave", "resume", "Rod", "Run", "RunSettings", "Scheme",
+    "Sea", "Seabed", "Section", "section_lengths", "simulate", "sizing", "Slider", "solve_static", "SolveFailed",
+    "SpectrumTable", "Spring", "State", "StaticDynamic", "StaticReport", "statistics", "Statistics",
+    "StatisticsSettings", "step", "Stepper", "StepReport", "Straight", "System", "TautMooring", "TensionOnly",
+    "TensionTable", "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power", "WaveComponents", "Weld",
+    "WhiteNoise",
 ]  # fmt: skip

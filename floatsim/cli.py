@@ -58,19 +58,15 @@ def _table(title: str, columns: list[str], rows: list[list[str]], prose: bool = 
     return table
 
 
-def _load(script: str, parameters: list[str], waves: Any = None, **case: Any) -> tuple[Any, dict[str, Any]]:
-    """(system, attributes for the output file); warnings go to stderr. waves: instead of the model's own; case: what
-    else a result depends on."""
+def _load(script: str, parameters: list[str] | dict[str, Any], **case: Any) -> tuple[Any, dict[str, Any]]:
+    """(system, attributes for the output file); warnings go to stderr. case: what else a result depends on."""
     from floatsim.jit import cache_is_cold
     from floatsim.study.script import input_hash, load_model, parse_parameters
     from floatsim.study.sheet import cautions
 
-    values = parse_parameters(parameters)
+    values = parameters if isinstance(parameters, dict) else parse_parameters(parameters)
     cold = cache_is_cold()  # building a model may compile a kernel or two
     model = load_model(script, values)
-    if waves is not None:
-        sea = floatsim.Sea(**{**dict(model.sea), "waves": waves})
-        model, case = floatsim.Model(**{**dict(model), "sea": sea}), {**case, "waves": repr(waves)}
     if cold:
         said = "floatsim: compiling its kernels, once for this version on this machine (up to a minute) ..."
         typer.echo(said, err=True)
@@ -84,24 +80,6 @@ def _load(script: str, parameters: list[str], waves: Any = None, **case: Any) ->
         "input_hash": input_hash(script, values, case, model),
     }
     return system, attributes
-
-
-def _waves(duration: float, hs: float | None, tp: float | None, height: float | None, period: float | None,
-           heading: float, seed: int) -> Any:  # fmt: skip
-    """The waves that options describe, or None."""
-    pairs = (("--hs", hs), ("--tp", tp)), (("--height", height), ("--period", period))
-    for (a, x), (b, y) in pairs:
-        if (x is None) != (y is None):
-            there, lacks = (a, b) if y is None else (b, a)
-            raise CaseError(f"{there} is given without {lacks}: waves need both")
-    if hs is not None and height is not None:
-        raise CaseError("--hs and --tp are a sea, --height and --period one regular wave: give one of them")
-    if hs is not None and tp is not None:
-        return floatsim.IrregularWaves(spectrum=floatsim.Jonswap(hs=hs, tp=tp), seed=seed, heading_deg=heading,
-                                       duration=max(3600.0, duration))  # fmt: skip
-    if height is not None and period is not None:
-        return floatsim.RegularWave(height=height, period=period, heading_deg=heading)
-    return None
 
 
 def _writable(output: str | None) -> None:
@@ -301,22 +279,69 @@ def run(
     period: Annotated[float | None, typer.Option(help="Its period, seconds.")] = None,
     heading: Annotated[float, typer.Option(help="Direction these waves travel towards, DEGREES from x.")] = 0.0,
     seed: Annotated[int, typer.Option(help="Of the sea's phases.")] = 1,
+    checkpoint: Annotated[
+        str | None, typer.Option(metavar="FILE", help="Keep a checkpoint in FILE, for `floatsim resume`.")
+    ] = None,
+    checkpoint_every: Annotated[float, typer.Option(help="Simulated seconds between checkpoints.")] = 600.0,
 ) -> None:
     """Simulate from the static equilibrium and write a netCDF file.
 
     Waves given here replace those of the model.
     """
-    from floatsim.study.report import pto_tables
+    from floatsim.study.script import WAVES, parse_parameters, waves_of
 
     _writable(output)
-    waves = _waves(duration, hs, tp, height, period, heading, seed)
-    system, attributes = _load(script, p, waves, command="run", duration=duration, dt=dt, interval=interval,
+    values = parse_parameters(p)
+    waves: dict[str, Any] = {"hs": hs, "tp": tp, "height": height, "period": period, "heading": heading, "seed": seed,
+                             "duration": duration}  # fmt: skip
+    if waves_of(**waves) is not None:
+        values[WAVES] = waves
+    system, attributes = _load(script, values, command="run", duration=duration, dt=dt, interval=interval,
                                channels=channel, precision=precision, energy=energy)  # fmt: skip
     with _Bar(duration) as show:
         result = floatsim.simulate(
             system, duration, dt, output=output, interval=interval, channels=channel or "all",
             precision=precision, attributes=attributes, progress=show, energy=energy,  # type: ignore[arg-type]
+            checkpoint=checkpoint, checkpoint_every=checkpoint_every,
         )  # fmt: skip
+    _say_end(result)
+
+
+@app.command()
+def resume(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="Checkpoint of `floatsim run --checkpoint FILE`.")],
+    duration: Annotated[
+        float | None, typer.Option(help="Seconds from the start of the run; more than before extends it.")
+    ] = None,
+    model: Annotated[str | None, typer.Option(metavar="MODEL.py", help="Where its script is now, if moved.")] = None,
+    p: Parameters = [],  # noqa: B006
+    dt: Annotated[float | None, typer.Option(help="Another largest time step from here on, seconds.")] = None,
+    output: Annotated[str | None, typer.Option("-o", help="Where its netCDF file is now, if moved.")] = None,
+) -> None:
+    """Go on from a checkpoint: the results are those of a run that was never interrupted."""
+    from floatsim.study.checkpoint import read
+    from floatsim.study.script import parse_parameters
+    from floatsim.study.simulate import resume as go_on
+    from floatsim.study.simulate import script_parameters
+
+    saved = read(file)
+    path, values = script_parameters(saved, model)
+    head = saved.header
+    given = {**head["given"]} | {k: v for k, v in (("duration", duration), ("dt", dt)) if v is not None}
+    channels = [] if given["channels"] == "all" else given["channels"]
+    values = {**values, **parse_parameters(p)}
+    system, attributes = _load(path, values, command="run", **{**given, "channels": channels},
+                               precision=head["precision"], energy=head["energy"])  # fmt: skip
+    with _Bar(given["duration"]) as show:
+        result = go_on(file, system, duration, dt=dt, output=output, progress=show,
+                       attributes=attributes if "input_hash" in head["case"] else None)  # fmt: skip
+    _say_end(result)
+
+
+def _say_end(result: Any) -> None:
+    """How a run went. SolveFailed if it failed."""
+    from floatsim.study.report import pto_tables
+
     _say_run(_console(), result)
     for title, columns, rows in pto_tables(result):
         _console().print(_table(title, columns, rows))
@@ -426,6 +451,27 @@ def power(
     if matrix.failures:
         (h, t), reason = next(iter(matrix.failures.items()))
         raise SolveFailed(f"{len(matrix.failures)} sea states, the first is hs {h:g} m, tp {t:g} s: {reason}")
+
+
+@app.command()
+def stats(
+    file: Annotated[str, typer.Argument(metavar="OUT.nc", help="Result file.")],
+    start: Annotated[float, typer.Option(help="Leave out what is before this simulated time [s].")] = 0.0,
+    fatigue: Annotated[
+        list[str], typer.Option(metavar="CHANNEL=M", help="Damage-equivalent load, exponent M; repeatable.")
+    ] = [],  # noqa: B006
+    block: Annotated[float, typer.Option(help="Length of the blocks of which extremes are taken [s].")] = 600.0,
+    output: Annotated[str | None, typer.Option("-o", help=OUTPUT_HELP)] = None,
+) -> None:
+    """Mean, standard deviation, extremes and periods of the channels of a result file, and fatigue loads."""
+    from floatsim.study.script import parse_parameters
+    from floatsim.study.statistics import statistics
+
+    result = statistics(file, start, parse_parameters(fatigue), block)
+    if output is not None:
+        typer.echo(f"wrote {result.write(output)}")
+        return
+    _console().print(_table(f"{file}, {result.samples} samples", *result.table()))
 
 
 @app.command()

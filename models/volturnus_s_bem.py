@@ -12,6 +12,8 @@ The hull is two stacked prisms, pontoon level and column level, so that its unio
 plan of half a pontoon arm (a sector of 60 degrees) is meshed in structured blocks, walls are extruded
 edges, and the six images of the sector are the hull (dihedral symmetry D3, which the solver uses).
 
+Its mean drift is that of platform and turbine afloat without moorings (volturnus_s.py), without drag.
+
 Accuracy: the sharp edges make convergence slow. From 1.55 m (4698 panels, shipped) to 1.2 m (7968 panels)
 A_inf falls by 0.5 %, and another 1 to 1.5 % may be left. The coefficients published with the OpenFAST
 model (WAMIT, about 5000 flat panels) are at the same stage.
@@ -27,6 +29,7 @@ import numpy as np
 
 from floatsim.hydro.compute import Symmetry, WetBody, compute_database, write_checked
 from floatsim.hydro.database import HydroDatabase
+from floatsim.hydro.far_field import FreeFloating
 from floatsim.hydro.meshing import Hydrostatics, Mesh, grid, hydrostatics, join, mesh_problems
 
 CENTRE_RADIUS, OUTER_RADIUS, OUTER_DISTANCE = 5.0, 6.25, 51.75
@@ -169,6 +172,14 @@ def exact_hydrostatics() -> Hydrostatics:
     return Hydrostatics(volume, np.array([0.0, 0.0, height]), waterplane, stiffness)
 
 
+def afloat() -> FreeFloating:
+    """Platform, tower, rotor and nacelle of volturnus_s.py as they float without moorings, for the mean drift."""
+    import volturnus_s  # beside this script
+
+    mass, center, inertia = volturnus_s.rigid_sum(-14.94)
+    return FreeFloating(mass, center - REFERENCE_POINT, inertia)
+
+
 def database(size: float, depth: float) -> HydroDatabase:
     """Mesh and solve. Raises AssertionError if a check of the mesh fails or if it is too coarse."""
     hull, lid = sector_mesh(size)
@@ -183,6 +194,7 @@ def database(size: float, depth: float) -> HydroDatabase:
         density=DENSITY,
         gravity=GRAVITY,
         symmetry=Symmetry(mirrors=("xOz",), turns=3),
+        drift=afloat(),
         source={
             "geometry": "published dimensions, Allen et al., NREL/TP-5000-76773 (2020)",
             "script": Path(__file__).name,

@@ -44,7 +44,9 @@ def check_database(db: HydroDatabase) -> tuple[Finding, ...]:
     - B_ii = k / (8 pi rho g c_g) int |X_i|^2 d(heading): what is radiated is what would excite (Newman 1977),
       where headings cover the circle,
     - A_ii and B_ii are smooth over the frequencies: an irregular frequency stands out from its neighbours,
-    - frequencies and headings cover what time-domain forces need.
+    - frequencies and headings cover what time-domain forces need,
+    - mean drift of one body, where it is known, pushes it along the waves, never against them: what it sends away it
+      has taken from the incident wave (Maruo 1960).
     """
     bad = [item.name for item in fields(db) if _not_finite(getattr(db, item.name))]
     if bad:
@@ -76,6 +78,8 @@ def check_database(db: HydroDatabase) -> tuple[Finding, ...]:
     findings.append(_highest_frequency(db))
     findings.append(_frequency_step(db))
     findings.append(_heading_step(db))
+    if db.mean_drift is not None and len(db.bodies) == 1:
+        findings.append(_mean_drift(db, db.mean_drift))
     return tuple(findings)
 
 
@@ -391,3 +395,22 @@ def _heading_step(db: HydroDatabase) -> Finding:
         "there are if the body is symmetric"
     )
     return _graded("heading step", size, 10.01, 360.0, text, text + hint)
+
+
+def _mean_drift(db: HydroDatabase, drift: NDArray[np.float64]) -> Finding:
+    along = drift[:, :, 0] * np.cos(db.headings) + drift[:, :, 1] * np.sin(db.headings)
+    largest = max(float(np.abs(drift[:, :, :2]).max()), np.finfo(float).tiny)
+    size = max(0.0, -float(along.min()) / largest)
+    n, j = (int(a) for a in np.unravel_index(np.argmin(along) if size > 0.02 else np.argmax(along), along.shape))
+    where = f"at {db.omega[n]:.3g} rad/s, heading {np.degrees(db.headings[j]):.0f} deg"
+    text = f"mean drift pushes along the waves, up to {along[n, j]:.4g} N/m2 {where}"
+    if "mean_drift_motions" in db.source:
+        text += f" (motions: {db.source['mean_drift_motions']})"
+    if "mean_drift_energy_error" in db.source:
+        share = 100.0 * float(db.source["mean_drift_energy_error"])
+        text += f"; energies that the wave loses and the body sends off agree within {share:.2g} %"
+    bad = (
+        f"mean drift pulls against the waves with {-along[n, j]:.4g} N/m2 {where}, {100 * size:.2g} % of its largest; "
+        "no body alone does that: check signs and headings, or take the drift by momentum instead of by pressure"
+    )
+    return _graded("mean drift", size, 0.02, np.inf, text, bad)

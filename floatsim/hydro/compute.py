@@ -22,7 +22,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,9 @@ from floatsim.errors import ModelError
 from floatsim.hydro import meshing
 from floatsim.hydro.check import check_database
 from floatsim.hydro.database import DOF_NAMES, HydroDatabase
+from floatsim.hydro.far_field import FarField, FreeFloating, check_motion, far_field, mean_drift, turned
 from floatsim.hydro.meshing import Hydrostatics, Mesh
+from floatsim.sea.dispersion import wave_number
 
 Array = NDArray[np.float64]
 
@@ -78,6 +80,7 @@ def compute_database(
     density: float = 1025.0,
     gravity: float = 9.81,
     symmetry: Symmetry | None = None,
+    drift: FreeFloating | Literal["fixed"] | None = None,
     source: Mapping[str, Any] | None = None,
     report: Callable[[str], None] | None = None,
 ) -> HydroDatabase:
@@ -87,6 +90,9 @@ def compute_database(
     headings  (m,) rad in [-pi, pi), increasing; those that are images of others under `symmetry` are not solved again
     depth     m, inf for deep water (only there A at zero frequency is computed too)
     symmetry  of all meshes together (each body its own image)
+    drift     how the body moves in the waves, for its mean drift in surge, sway and yaw by momentum far away
+              (far_field.py; heave, roll and pitch are zero): FreeFloating(mass, ...), without the moorings, or "fixed".
+              Of one body only; what it was computed with is kept in `source`. None: no mean drift
     source    kept in the database beside what is known here (solver, mesh hash, panels, errors of symmetry)
     report    called with a line of progress
 
@@ -99,12 +105,12 @@ def compute_database(
     omega, headings = np.asarray(omega, dtype=float), np.asarray(headings, dtype=float)
     operations = symmetry.operations()
     hulls = [meshing.images(body.hull, operations) for body in bodies]
-    _refuse(bodies, hulls, omega, depth, gravity)
+    _refuse(bodies, hulls, omega, depth, gravity, drift)
     run = _Run(capytaine, bodies, symmetry, depth, density, gravity)
     wanted = _orbits(headings, operations)
     mass_inf, _ = run.radiation(math.inf)
     mass_zero = run.radiation(0.0)[0] if math.isinf(depth) else None
-    A, raw, total, incident = _sweep(run, omega, headings, wanted, report)
+    A, raw, total, incident, far = _sweep(run, omega, headings, wanted, drift is not None, report)
     whole = [body.hydrostatics or meshing.hydrostatics(hull, body.reference_point) for body, hull in zip(bodies, hulls)]
     length = np.array([h.volume ** (1.0 / 3.0) for h in whole])
     inertia = (density * length[:, None] ** 3 * length[:, None] ** np.array([0, 0, 0, 2, 2, 2])).reshape(-1)
@@ -120,18 +126,25 @@ def compute_database(
         np.concatenate([h.vertices for h in hulls]),
         np.concatenate([h.faces + s for h, s in zip(hulls, np.cumsum([0, *(len(h.vertices) for h in hulls)]))]),
     )
+    A, B, X = _tidy(_symmetric(A), of_mass), _tidy(B, of_damping), _tidy_force(np.conj(total))
+    C = density * gravity * _block_diagonal([h.stiffness for h in whole])
+    pushed: Array | None = None
+    how: dict[str, Any] = {}
+    if drift is not None:
+        pushed, how = _drift(drift, far, wanted, headings, bodies[0], omega, A, B, X, C, depth, density, gravity)
     return HydroDatabase(
         name=name,
         bodies=tuple(body.name for body in bodies),
         omega=omega,
-        added_mass=_tidy(_symmetric(A), of_mass),
-        radiation_damping=_tidy(B, of_damping),
+        added_mass=A,
+        radiation_damping=B,
         added_mass_inf=_tidy(_symmetric(mass_inf), of_mass),
         added_mass_zero=None if mass_zero is None else _tidy(_symmetric(mass_zero), of_mass),
         headings=headings,
-        excitation=_tidy_force(np.conj(total)),
+        excitation=X,
         froude_krylov=_tidy_force(np.conj(incident)),
-        hydrostatic_stiffness=density * gravity * _block_diagonal([h.stiffness for h in whole]),
+        mean_drift=pushed,
+        hydrostatic_stiffness=C,
         volume=np.array([h.volume for h in whole]),
         centre_of_buoyancy=np.array([h.centre for h in whole]),
         reference_point=np.array([body.reference_point for body in bodies]),
@@ -150,6 +163,7 @@ def compute_database(
             "mesh_hash": meshing.mesh_hash(hull),
             "headings_solved": len({k for k, _ in wanted}),
             **errors,
+            **how,
         },
     )
 
@@ -184,12 +198,14 @@ def load_capytaine() -> Any:
     return capytaine
 
 
-def _refuse(bodies: Sequence[WetBody], hulls: list[Mesh], omega: Array, depth: float, gravity: float) -> None:
+def _refuse(bodies: Sequence[WetBody], hulls: list[Mesh], omega: Array, depth: float, gravity: float,
+            drift: Any) -> None:  # fmt: skip
     names = [body.name for body in bodies]
     if not names or len(set(names)) < len(names):
         raise ModelError(f"bodies are named {names}: at least one is needed, each with a name of its own")
     label = "', '".join(names)
     problems = [f"mesh of '{label}': {text}" for text in meshing.mesh_problems(meshing.join(*hulls), depth)]
+    problems += check_motion(drift, names)
     for body, hull in zip(bodies, hulls):
         if body.hydrostatics is None and hull.vertices[:, 2].min() < -depth + 1e-6:
             problems.append(f"'{body.name}' stands on the seabed: its mesh does not tell its hydrostatics, give them")
@@ -210,22 +226,48 @@ def _sweep(
     omega: Array,
     headings: Array,
     wanted: list[tuple[int, Array]],
+    far: bool,
     report: Callable[[str], None] | None,
-) -> tuple[Array, Array, NDArray[np.complex128], NDArray[np.complex128]]:
-    """A, B (n, d, d), excitation and its Froude-Krylov part (n, m, d) in Capytaine's time factor."""
+) -> tuple[Array, Array, NDArray[np.complex128], NDArray[np.complex128], list[FarField]]:
+    """A, B (n, d, d), excitation and its Froude-Krylov part (n, m, d) in Capytaine's time factor; where they are asked
+    for, the waves far away, scattered from the headings that are solved, in the order of their numbers."""
     start = time.process_time()
-    mass, damping, force = [], [], []
+    mass, damping, force, waves = [], [], [], []
+    numbers = sorted({k for k, _ in wanted})
     for count, w in enumerate(omega, 1):
+        run.potentials = [] if far else None
         a, b = run.radiation(float(w))
-        solved = {k: run.excitation(float(w), float(headings[k])) for k in {k for k, _ in wanted}}
+        solved = {k: run.excitation(float(w), float(headings[k])) for k in numbers}
         mass.append(a)
         damping.append(b)
-        force.append([_image(solved[k], q) for k, q in wanted])
+        force.append([_image(solved[k], q, run.points) for k, q in wanted])
+        if far:
+            waves.append(run.far_field(float(w), headings[numbers]))
         run.forget()
         if report:
             report(f"{count}/{omega.size} frequencies, {time.process_time() - start:.0f} s")
     both = np.array(force)  # (n, m, 2, d)
-    return np.array(mass), np.array(damping), both[:, :, 0], both[:, :, 1]
+    return np.array(mass), np.array(damping), both[:, :, 0], both[:, :, 1], waves
+
+
+def _drift(motion: FreeFloating | Literal["fixed"], far: list[FarField], wanted: list[tuple[int, Array]],
+           headings: Array, body: WetBody, omega: Array, A: Array, B: Array, X: NDArray[np.complex128], C: Array,
+           depth: float, density: float, gravity: float) -> tuple[Array, dict[str, Any]]:  # fmt: skip
+    """Mean drift (n, m, 6) and what is to be said of it."""
+    numbers = sorted({k for k, _ in wanted})
+    fields = [(one.radiated, np.array([turned(one.scattered[numbers.index(k)], q) for k, q in wanted])) for one in far]
+    how: dict[str, Any] = {"mean_drift_method": "far field: surge, sway and yaw; heave, roll and pitch are zero"}
+    xi, damping = np.zeros_like(X), None
+    if isinstance(motion, FreeFloating):
+        xi, damping = motion.motions(omega, A, B, X, C, gravity), motion.damping
+        how |= motion.attributes()
+    else:
+        how["mean_drift_motions"] = "none, held fixed"
+    pushed, how["mean_drift_energy_error"] = mean_drift(
+        fields, xi, headings, body.reference_point, omega=omega, k=wave_number(omega, depth, gravity), depth=depth,
+        density=density, gravity=gravity, damping=damping,
+    )  # fmt: skip
+    return _tidy_force(np.asarray(pushed, dtype=complex)).real, how
 
 
 class _Run:
@@ -253,6 +295,10 @@ class _Run:
         # without waves there are no irregular frequencies; in finite depth a lid spoils A_inf by several percent
         self.bare = capytaine.FloatingBody(mesh=hull, dofs=dofs, name="bodies") if lids else self.body
         self.solver = capytaine.BEMSolver(method="direct")
+        self.points = np.array([body.reference_point for body in bodies])
+        corners = meshing.images(meshing.join(*(body.hull for body in bodies)), symmetry.operations())
+        self.corners = corners.vertices[corners.faces]
+        self.potentials: list[NDArray[np.complex128]] | None = None  # on the hull, of what is solved, if a list
 
     def _mesh(self, sector: Mesh, symmetry: Symmetry) -> Any:
         mesh = self.capytaine.Mesh(vertices=sector.vertices, faces=sector.faces)
@@ -264,9 +310,12 @@ class _Run:
         from capytaine.green_functions.abstract_green_function import GreenFunctionEvaluationError
 
         try:
-            return self.solver.solve(problem, keep_details=False)
+            result = self.solver.solve(problem, keep_details=self.potentials is not None)
         except (GreenFunctionEvaluationError, NotImplementedError, ValueError, ArithmeticError) as error:
             raise ModelError(f"Capytaine could not solve {label}: {error}") from error
+        if self.potentials is not None:
+            self.potentials.append(np.conj(result.potential[problem.body.hull_mask]))
+        return result
 
     def radiation(self, omega: float) -> tuple[Array, Array]:
         """A and B, (d, d)."""
@@ -286,6 +335,14 @@ class _Run:
         scattered = self._solve(problem, f"diffraction at {omega:g} rad/s, heading {heading:g} rad").forces
         incident = self.capytaine.bem.airy_waves.froude_krylov_force(problem)
         return np.array([[scattered[dof] + incident[dof] for dof in self.dofs], [incident[dof] for dof in self.dofs]])
+
+    def far_field(self, omega: float, headings: Array) -> FarField:
+        """Waves far away of the potentials kept: radiation first, then diffraction at `headings`."""
+        depth, gravity = self.sea["water_depth"], self.sea["g"]
+        return far_field(
+            self.corners, np.array(self.potentials), headings, self.points[0], omega=omega,
+            k=float(wave_number(omega, depth, gravity)), depth=depth, gravity=gravity,
+        )  # fmt: skip
 
     def forget(self) -> None:
         """A cache of Capytaine 3.0 keeps every matrix of a mesh with dihedral symmetry that it has ever seen."""
@@ -316,10 +373,14 @@ def _orbits(headings: Array, operations: list[Array]) -> list[tuple[int, Array]]
     return [found[k] for k in range(headings.size)]
 
 
-def _image(force: NDArray[np.complex128], q: Array) -> NDArray[np.complex128]:
-    """Forces (..., d) under the operation q; moments are axial vectors."""
-    parts = force.reshape(*force.shape[:-1], -1, 2, 3) @ q.T
+def _image(force: NDArray[np.complex128], q: Array, points: Array | None = None) -> NDArray[np.complex128]:
+    """Forces (..., d) under the operation q; moments, about points (N, 3) or the origin, are axial vectors."""
+    parts = force.reshape(*force.shape[:-1], -1, 2, 3).copy()
+    arms = np.zeros(3) if points is None else points
+    parts[..., 1, :] += np.cross(arms, parts[..., 0, :])  # about the origin, which stays
+    parts = parts @ q.T
     parts[..., 1, :] *= round(float(np.linalg.det(q)))
+    parts[..., 1, :] -= np.cross(arms, parts[..., 0, :])
     return parts.reshape(force.shape)
 
 

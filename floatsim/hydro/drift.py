@@ -116,7 +116,8 @@ def mean_drifts(db: HydroDatabase, sea: Realisation, body: int = 0) -> Array:
     if db.mean_drift is None:
         raise ModelError(
             f"hydrodynamic database '{db.name}': it has no mean drift, which drift='newman' is made from; compute it "
-            "(WAMIT: .8 or .9 file; BEMIO), or give a QTF"
+            "(compute_database(drift=FreeFloating(...)), 'floatsim hydro compute'; WAMIT: .8 or .9 file; BEMIO), or "
+            "give a QTF"
         )
     omega = np.concatenate([[0.0], db.omega])
     known = db.mean_drift[:, :, 6 * body : 6 * body + 6]

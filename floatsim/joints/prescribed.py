@@ -144,6 +144,10 @@ class Motion:
                         f"{slope.round(6).tolist()}; the three functions must belong together"
                     )
 
+    def identity(self) -> Any:
+        """What a checkpoint knows it by."""
+        return self._functions, self._ends
+
     def _columns(self, t: float) -> Array:
         if t > self._ends + 1e-6:
             raise ModelError(

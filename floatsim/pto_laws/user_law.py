@@ -146,6 +146,7 @@ class _Law:
     def commit(self, now: Now, e: int, old: Array) -> bool:
         """Take over the states; sample if it is time. Whether the held force changed."""
         T = self.law.sample_time
+        self._J = None  # a step does not depend on the guesses of the last one: a checkpoint need not know them
         if T is None:
             old[:] = self.new
             return False

@@ -144,6 +144,20 @@ class Stepper:
         self._scaled_for = 0.0
         self.watch: Any = None  # looks at every accepted step before it is committed: study/energy.py
 
+    # -- checkpoints --------------------------------------------------------------------------
+
+    def arrays(self) -> dict[str, Any]:
+        """What the next step depends on besides the state: what was seen of Newton's convergence, and the weights with
+        the scale of the constraint rows."""
+        return {"expected": self._expected, "curve": float(self._curve), "unseen": self._unseen,
+                "scaled_for": self._scaled_for, "weights": self.work.c.copy()}  # fmt: skip
+
+    def restore(self, arrays: dict[str, Any]) -> None:
+        """Go on as the stepper that gave `arrays` would have."""
+        self._expected, self._curve, self._unseen = arrays["expected"], arrays["curve"], arrays["unseen"]
+        self._scaled_for = arrays["scaled_for"]
+        self.work.c[:] = arrays["weights"]
+
     # -- one step -----------------------------------------------------------------------------
 
     def step(self, state: State, h: float, control: float | None = None) -> StepReport:

@@ -280,6 +280,21 @@ class Ledger:
         self.W += 0.5 * h * (P + self._P)
         self.slipped += 0.5 * h * (slip + self._slip)
 
+    # -- checkpoints ------------------------------------------------------------------------
+
+    _KEPT = ("energy0", "energy", "_R", "_P", "_slip", "_t", "flowed", "W", "slipped", "peak", "jumps")
+
+    def arrays(self) -> dict[str, Any]:
+        """All that it needs to go on."""
+        return {"stores": self.stores, "works": self.works, **{name: getattr(self, name) for name in self._KEPT}}
+
+    def restore(self, arrays: dict[str, Any]) -> None:
+        """Go on as the ledger that gave `arrays`. Raises ValueError if that had other accounts."""
+        if (arrays["stores"], arrays["works"]) != (self.stores, self.works):
+            raise ValueError(f"the ledger has accounts {arrays['stores']}, {arrays['works']}")
+        for name in self._KEPT:
+            setattr(self, name, arrays[name])
+
     # -- what it comes to -------------------------------------------------------------------
 
     def result(self) -> Energy:

@@ -29,11 +29,13 @@ from floatsim.frames import Array, angles_from_matrix, matrix_from_angles
 from floatsim.hydro import meshing
 from floatsim.hydro.compute import WetBody, compute_database, load_capytaine
 from floatsim.hydro.database import HydroDatabase
+from floatsim.hydro.far_field import FreeFloating
 from floatsim.hydro.hull import Surface
 from floatsim.hydro.meshing import Mesh
 from floatsim.hydro.nemoh_project import write_nemoh
 from floatsim.model import Model
 from floatsim.parts.body import Body
+from floatsim.parts.line import Line
 from floatsim.sea.dispersion import wave_number
 from floatsim.solve.static import solve_static
 from floatsim.study.sheet import hulls, potential_flow, static_pose
@@ -68,17 +70,24 @@ def compute_model_database(
     name          of the database, default the model's
     report        called with lines: warnings and progress
 
+    One body that nothing but lines and springs hold has its mean drift computed too, for the motions that it makes
+    afloat without them: mass, inertia and centre of mass of the body alone, damping and stiffness those that its
+    PotentialFlow adds linearly.
+
     Raises ModelError for bad input, SolveFailed if there is no static position.
     """
     load_capytaine()
     omega, headings = _frequencies(omega), _headings(headings_deg)
     wet = wet_bodies(model, omega, bodies)
-    for line in wet.messages if report else ():
+    floaters = _floaters(model, bodies)
+    driftless = _no_drift(model, floaters)
+    for line in (*wet.messages, *driftless) if report else ():
         report(line)  # type: ignore[misc]
     sea = model.sea
     return compute_database(
         name or model.name, wet.bodies, omega, headings, depth=sea.depth, density=sea.density, gravity=model.gravity,
-        source=wet.source, report=report,
+        drift=None if driftless else _afloat(floaters[0], wet.source["static_attitude_deg"]), source=wet.source,
+        report=report,
     )  # fmt: skip
 
 
@@ -209,6 +218,29 @@ def _left_out(model: Model, floaters: list[Body]) -> list[str]:
     others = [part for part in model.parts if isinstance(part, Body) and part not in floaters]
     return [f"body '{body.name}' is not among those computed: it is as if it were not there"
             for body in others if potential_flow(body) or hulls(body)]  # fmt: skip
+
+
+def _no_drift(model: Model, floaters: list[Body]) -> list[str]:
+    """Why the mean drift is left out; empty if it is not."""
+    if len(floaters) > 1:
+        return ["no mean drift is computed: the waves far away tell that of all bodies together, not of each"]
+    body = floaters[0]
+    free = {part.name for part in model.parts if isinstance(part, Line)}
+    for joint in model.joints:
+        tied = {target.split(".")[0] if isinstance(target, str) else "ground" for target in joint.targets()}
+        if body.name in tied and tied - {body.name} - free:
+            return [f"no mean drift is computed: it is that of a body afloat, and joint '{joint.label}' ties "
+                    f"'{body.name}' to something else than a line"]  # fmt: skip
+    return []
+
+
+def _afloat(body: Body, attitude_deg: Sequence[float]) -> FreeFloating:
+    """The body's motions without its moorings, in the database's frame."""
+    R = matrix_from_angles(*np.radians(attitude_deg))
+    flow = potential_flow(body)
+    added = [] if flow is None else [np.asarray(flow.linear_damping), np.asarray(flow.linear_stiffness)]
+    center = tuple(float(y) for y in R @ body.center_of_mass)
+    return FreeFloating(body.mass, center, R @ body.inertia_tensor @ R.T, *(m if m.any() else None for m in added))
 
 
 def _name(body: Body) -> str:

@@ -17,9 +17,13 @@ from typing import Any
 
 from floatsim.errors import CaseError, FloatsimError, ModelError, nearest
 from floatsim.model import Model
-from floatsim.sea.waves import wave_files
+from floatsim.sea.site import Sea
+from floatsim.sea.spectra import Jonswap
+from floatsim.sea.waves import IrregularWaves, RegularWave, wave_files
 
 _PREFIX = "floatsim_model_"  # of the module names of scripts
+_SCRIPT = "_script"
+WAVES = "--waves"  # no parameter of a build() can be named like this
 DECK = ("depth", "name")  # parameters of a MoorDyn file
 
 
@@ -109,10 +113,47 @@ class Script:
 def load_model(path: str | Path, parameters: dict[str, Any] | None = None) -> Model:
     """Run the script's `build` with `parameters`.
 
+    A parameter named WAVES holds values for `waves_of`, which then replace the model's own waves.
+
     Raises ModelError, naming script and line, if the file is missing, raises, has no build, gives no Model, or if
     build does not take a parameter (with the nearest it does).
     """
-    return Script(path)(parameters or {})
+    given = dict(parameters or {})
+    waves = given.pop(WAVES, None)
+    model = Script(path)(given)
+    if waves is not None:
+        model = Model(**{**dict(model), "sea": Sea(**{**dict(model.sea), "waves": waves_of(**waves)})})
+    # a frozen description; copies do not take it on
+    model.__dict__[_SCRIPT] = (str(Path(path).resolve()), dict(parameters or {}))
+    return model
+
+
+def waves_of(
+    duration: float, hs: float | None = None, tp: float | None = None, height: float | None = None,
+    period: float | None = None, heading: float = 0.0, seed: int = 1,
+) -> Any:  # fmt: skip
+    """The waves that options of the command line describe, None without any: a JONSWAP sea of hs [m], tp [s] and seed
+    for `duration` [s], or a regular wave of height [m] and period [s], towards heading [deg].
+
+    Raises CaseError for halves of a description, and for both.
+    """
+    for (a, x), (b, y) in ((("--hs", hs), ("--tp", tp)), (("--height", height), ("--period", period))):
+        if (x is None) != (y is None):
+            there, lacks = (a, b) if y is None else (b, a)
+            raise CaseError(f"{there} is given without {lacks}: waves need both")
+    if hs is not None and height is not None:
+        raise CaseError("--hs and --tp are a sea, --height and --period one regular wave: give one of them")
+    if hs is not None and tp is not None:
+        return IrregularWaves(spectrum=Jonswap(hs=hs, tp=tp), seed=seed, heading_deg=heading,
+                              duration=max(3600.0, duration))  # fmt: skip
+    if height is not None and period is not None:
+        return RegularWave(height=height, period=period, heading_deg=heading)
+    return None
+
+
+def script_of(model: Model) -> tuple[str, dict[str, Any]] | None:
+    """(path, parameters) that made a model, if load_model did."""
+    return model.__dict__.get(_SCRIPT)
 
 
 def load_deck(path: str | Path, parameters: dict[str, Any] | None = None) -> Any:

@@ -119,6 +119,61 @@ class Writer:
         self._due = clock.monotonic() + SECONDS
         self._create(sizes, coordinates, dict(attributes or {}), precision)
 
+    @classmethod
+    def continued(
+        cls, path: str | Path, channels: Sequence[Channel], coordinates: Sequence[Coordinate],
+        attributes: Mapping[str, str | int | float], precision: Literal["float64", "float32"], samples: int,
+        kept: int, until: float,
+    ) -> Writer:  # fmt: skip
+        """A writer that goes on after the first `kept` samples of an existing file, the last of them at `until` [s].
+
+        netCDF cannot cut a dimension, and a file whose writer was killed is better not opened for writing: the samples
+        are copied to a new file beside it, which takes the name when it is whole. Raises CaseError if the file is
+        missing, unreadable, or does not hold these channels and samples.
+        """
+        path = Path(path)
+        check_path(path)
+        temporary = path.with_name(f".{path.name}.part")
+        writer: Writer | None = None
+        import netCDF4
+
+        try:
+            with netCDF4.Dataset(str(path)) as old:
+                old.set_auto_mask(False)
+                writer = cls(temporary, channels, coordinates, attributes, precision, samples)
+                writer._copy(old, path, kept, until)
+            os.replace(temporary, path)
+        except (OSError, RuntimeError) as error:
+            _discard(writer, temporary)
+            raise CaseError(f"output file '{path}' cannot be continued: {error}") from None
+        except CaseError:
+            _discard(writer, temporary)
+            raise
+        writer.path = path
+        return writer
+
+    def _copy(self, old: Any, path: Path, kept: int, until: float) -> None:
+        """Take the first samples of another file over."""
+        mine = {"time": self._time, **{c.name: v for c, v in zip(self.channels, self._variables, strict=True)}}
+        for name, variable in mine.items():
+            there = old.variables.get(name)
+            if there is None or there.shape[1:] != variable.shape[1:] or there.dtype != variable.dtype:
+                raise CaseError(f"output file '{path}' cannot be continued: it has another '{name}'")
+        times = old.variables["time"]
+        if len(times) < kept or (kept and float(times[kept - 1]) != until):
+            raise CaseError(
+                f"output file '{path}' cannot be continued: the checkpoint was made with {kept} samples until "
+                f"t = {until:g} s, the file holds {len(times)}"
+                + (f" until {float(times[-1]):g} s" if len(times) else "")
+            )
+        self._file.set_auto_mask(False)
+        for start in range(0, kept, SAMPLES):
+            end = min(start + SAMPLES, kept)
+            for name, variable in mine.items():
+                variable[start:end] = old.variables[name][start:end]
+        self._written = kept
+        self._file.sync()
+
     # -- the file -----------------------------------------------------------------------------
 
     def _create(
@@ -205,6 +260,16 @@ class Writer:
             self._held, self._written = 0, start + n
         self._due = clock.monotonic() + SECONDS
 
+    def secure(self) -> None:
+        """Bring all samples to the disk itself: what a checkpoint counts on."""
+        self.flush()
+        with self._naming_path(f"could not be continued after {self._written} samples"):
+            file = os.open(self.path, os.O_RDONLY)
+            try:
+                os.fsync(file)
+            finally:
+                os.close(file)
+
     def close(
         self, status: Literal["done", "failed"], failure: str = "",
         attributes: Mapping[str, str | float] | None = None,
@@ -231,6 +296,13 @@ class Writer:
         else:
             with contextlib.suppress(CaseError):  # the first error is the one to tell
                 self.close("failed", f"{type(error).__name__}: {error}")
+
+
+def _discard(writer: Writer | None, path: Path) -> None:
+    if writer is not None:
+        with contextlib.suppress(CaseError, OSError, RuntimeError):
+            writer._file.close()
+    path.unlink(missing_ok=True)
 
 
 def _checked_sizes(channels: Sequence[Channel], coordinates: Sequence[Coordinate], precision: str) -> dict[str, int]:

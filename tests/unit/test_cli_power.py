@@ -133,3 +133,16 @@ def test_waves_of_a_run(floatsim):
 def test_waves_that_cannot_be(floatsim, arguments, words):
     status, _, error = floatsim("run", RM3, "--duration", "10", *arguments)
     assert status == 2 and words in error
+
+
+def test_a_run_in_waves_goes_on_from_its_checkpoint(floatsim):
+    """The waves of the command line are those of the checkpoint, too: one run of 30 s and one of 20 s that is extended
+    have the same samples."""
+    waves = ["--hs", "2", "--tp", "8", "--seed", "7", "--interval", "1"]
+    assert floatsim("run", RM3, "--duration", "30", *waves, "-o", "whole.nc")[0] == 0
+    assert floatsim("run", RM3, "--duration", "20", *waves, "-o", "parts.nc", "--checkpoint", "parts.ckpt")[0] == 0
+    status, _, error = floatsim("resume", "parts.ckpt", "--duration", "30")
+    assert status == 0, error
+    with xr.open_dataset("whole.nc") as whole, xr.open_dataset("parts.nc") as parts:
+        xr.testing.assert_equal(whole, parts)
+        assert float(abs(whole.wave_elevation).max()) > 0.0
