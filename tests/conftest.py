@@ -9,6 +9,8 @@ sys.path.insert(0, str(Path(__file__).parent))  # recorder and closed forms, whe
 
 from recorder import FILE, Recorder  # noqa: E402
 
+import floatsim.study.store  # noqa: F401, E402  switches HDF5's file locking off before any test brings HDF5 up
+
 _recorder = Recorder()
 
 
