@@ -40,9 +40,11 @@ from floatsim.parts.member import Disc, Member
 from floatsim.parts.point_buoy import PointBuoy
 from floatsim.parts.point_mass import PointMass
 from floatsim.parts.pto import PTO
+from floatsim.parts.rotor import Rotor
 from floatsim.parts.section import Attachment, BendStiffener, Break, Piece, Section
 from floatsim.parts.shapes import Arc, Catenary, Nodes, Straight, ThreeCircles
 from floatsim.parts.spring import Spring
+from floatsim.parts.tower import Tower
 from floatsim.pto_laws.coulomb import Coulomb
 from floatsim.pto_laws.end_stop import EndStop
 from floatsim.pto_laws.force_table import ForceTable
@@ -52,6 +54,8 @@ from floatsim.pto_laws.one_sided import CompressionOnly, TensionOnly
 from floatsim.pto_laws.polynomial import Polynomial
 from floatsim.pto_laws.taut_mooring import TautMooring
 from floatsim.pto_laws.user_law import UserLaw
+from floatsim.rotor.control import Controller
+from floatsim.rotor.surface import PerformanceSurface
 from floatsim.sea.elevation_series import ElevationSeries
 from floatsim.sea.focused import FocusedWave
 from floatsim.sea.seabed import Bathymetry, Seabed
@@ -83,22 +87,24 @@ from floatsim.study.statistics import Statistics, StatisticsSettings, statistics
 from floatsim.system.state import State
 from floatsim.system.system import System, assemble
 from floatsim.version import __version__
+from floatsim.wind.inflow import Wind
+from floatsim.wind.turbulence import Kaimal
 
 __all__ = [
     "__version__", "Arc", "assemble", "Attachment", "Ball", "Bathymetry", "BendStiffener", "Body", "Break",
     "Bretschneider", "build_case", "capture_width", "Case", "CaseError", "Catenary", "check_database", "Clamp",
-    "CombinedWaves", "CompressionOnly", "Coulomb", "Current", "CurrentTable", "Cylindrical", "decay_test",
-    "DecayTest", "diameter_from_weights", "Disc", "ElevationSeries", "EndStop", "Energy", "Engineering", "Expected",
-    "FloatsimError", "FocusedWave", "ForceTable", "FreeFloating", "frequency_response", "FrequencyResponse",
-    "generalised_alpha", "hht", "Hinge", "Hull", "Hydraulic", "HydroDatabase", "IrregularWaves", "Jonswap", "Line",
-    "Linear", "Lock", "Matrix", "mean_power", "Member", "Mode", "Model", "ModelError", "MomentTable", "MoorDynImport",
-    "Motion", "natural_modes", "newmark", "Nodes", "OchiHubble", "Piece", "PiersonMoskowitz", "PointBuoy",
-    "PointMass", "PointOnLine", "Polynomial", "PotentialFlow", "power_matrix", "PowerLaw", "PowerMatrix",
-    "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_hydro", "read_matrix", "read_moordyn",
-    "read_occurrence", "read_wamit", "read_wamit_qtf", "RegularWave", "resume", "Rod", "Run", "RunSettings", "Scheme",
-    "Sea", "Seabed", "Section", "section_lengths", "simulate", "sizing", "Slider", "solve_static", "SolveFailed",
-    "SpectrumTable", "Spring", "State", "StaticDynamic", "StaticReport", "statistics", "Statistics",
-    "StatisticsSettings", "step", "Stepper", "StepReport", "Straight", "System", "TautMooring", "TensionOnly",
-    "TensionTable", "ThreeCircles", "Torsethaugen", "Universal", "UserLaw", "wave_power", "WaveComponents", "Weld",
-    "WhiteNoise",
+    "CombinedWaves", "CompressionOnly", "Controller", "Coulomb", "Current", "CurrentTable", "Cylindrical",
+    "decay_test", "DecayTest", "diameter_from_weights", "Disc", "ElevationSeries", "EndStop", "Energy", "Engineering",
+    "Expected", "FloatsimError", "FocusedWave", "ForceTable", "FreeFloating", "frequency_response",
+    "FrequencyResponse", "generalised_alpha", "hht", "Hinge", "Hull", "Hydraulic", "HydroDatabase", "IrregularWaves",
+    "Jonswap", "Kaimal", "Line", "Linear", "Lock", "Matrix", "mean_power", "Member", "Mode", "Model", "ModelError",
+    "MomentTable", "MoorDynImport", "Motion", "natural_modes", "newmark", "Nodes", "OchiHubble", "PerformanceSurface",
+    "Piece", "PiersonMoskowitz", "PointBuoy", "PointMass", "PointOnLine", "Polynomial", "PotentialFlow",
+    "power_matrix", "PowerLaw", "PowerMatrix", "Prescribed", "PTO", "QTF", "range_graph", "RangeGraph", "read_hydro",
+    "read_matrix", "read_moordyn", "read_occurrence", "read_wamit", "read_wamit_qtf", "RegularWave", "resume", "Rod",
+    "Rotor", "Run", "RunSettings", "Scheme", "Sea", "Seabed", "Section", "section_lengths", "simulate", "sizing",
+    "Slider", "solve_static", "SolveFailed", "SpectrumTable", "Spring", "State", "StaticDynamic", "StaticReport",
+    "Statistics", "statistics", "StatisticsSettings", "step", "Stepper", "StepReport", "Straight", "System",
+    "TautMooring", "TensionOnly", "TensionTable", "ThreeCircles", "Torsethaugen", "Tower", "Universal", "UserLaw",
+    "wave_power", "WaveComponents", "Weld", "WhiteNoise", "Wind",
 ]  # fmt: skip

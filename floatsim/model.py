@@ -42,8 +42,8 @@ class Expected(Description):
 class Model(Description):
     """A floating system: parts (bodies, lines, masses, springs) and joints that tie their names.
 
-    gravity [m/s2] acts on every mass. Connection points are named `part` or `part.point`
-    (`mooring_1.end_a`, `platform.fairlead_1`), fixed points are coordinates (x, y, z) [m].
+    gravity [m/s2] acts on every mass. wind: None or floatsim.Wind(...), for rotors. Connection points are named `part`
+    or `part.point` (`mooring_1.end_a`, `platform.fairlead_1`), fixed points are coordinates (x, y, z) [m].
     Raises ModelError with every cross-part problem.
     """
 
@@ -51,6 +51,7 @@ class Model(Description):
     parts: Items
     joints: Items = ()
     sea: Sea
+    wind: Any = None
     gravity: NonNegative = 9.81
     expected: Expected = Expected()
 
@@ -150,6 +151,7 @@ class Model(Description):
                 f"Sea: waves: got {waves!r}; RegularWave, IrregularWaves(spectrum=..., seed=...), WaveComponents, "
                 "FocusedWave, ElevationSeries, or CombinedWaves(waves=[...]) of several is allowed"
             )
+        yield from self._windless()
         targets = self.targets()
         ends = [(f"joint '{joint.label}'", joint.targets()) for joint in self.joints]
         ends += [(_label(part), part.between) for part in self.parts if part.between]
@@ -162,6 +164,16 @@ class Model(Description):
             yield from part.held_wrongly(self.joints)
         to_itself = [*self._to_itself(ends, targets)]
         yield from to_itself or self._misplaced(targets)
+
+    def _windless(self) -> Iterator[str]:
+        """A wind that is none, that nothing takes, or that is missing."""
+        taking = [_label(part) for part in self.everything() if getattr(part, "needs_wind", False)]
+        if self.wind is not None and (isinstance(self.wind, type) or not hasattr(self.wind, "direction")):
+            yield f"wind: got {self.wind!r:.60}; Wind(speed=...) or None is allowed"
+        elif self.wind is not None and not taking:
+            yield "wind: nothing in the model takes it; add a Rotor"
+        elif self.wind is None and taking:
+            yield f"{taking[0]}: the model has no wind; give Model(wind=Wind(speed=...))"
 
     def _to_itself(self, ends: list[tuple[str, Any]], targets: dict[str, tuple[Any, str]]) -> Iterator[str]:
         for who, pair in ends:
@@ -192,7 +204,7 @@ class Model(Description):
             x, _ = placed[part.name]
             ends = {anchor: x[point] for anchor, (point, rotation, _) in part.anchors().items() if rotation < 0}
             if part.between:
-                ends = {end: self._where(at, targets, placed) for end, at in zip("ab", part.between, strict=True)}
+                ends = {end: self._where(at, targets, placed) for end, at in zip("ab", part.between, strict=False)}
             yield from part.problems(ends, self.sea)
 
 

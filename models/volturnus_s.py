@@ -2,7 +2,8 @@
 
 Sources: [AG] Allen et al. 2020, "Definition of the UMaine VolturnUS-S reference platform", NREL/TP-5000-76773;
 [DECK] the public OpenFAST and MoorDyn decks of IEA-15-240-RWT-UMaineSemi (Apache-2.0); [TAB] the tabular
-workbook of the same repository. Rigid turbine, rotor parked in the sense that nothing aerodynamic acts.
+workbook of the same repository. Rigid turbine. Without a wind nothing aerodynamic acts; with one the rotor of iea15.py
+turns, its nacelle faces the mean wind, and the tower has drag.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ TOWER_MASS = 1_466_499.0  # kg [DECK]
 TOWER_CM_Z = 58.19  # m [DECK]
 TOWER_INERTIA = 1.4249e9  # kg m2, xx = yy about its own centre of mass [DECK]
 TOWER_TOP = (0.0, 0.0, 144.386)  # m [DECK]
+TOWER_BASE, TOWER_DIAMETER = (0.0, 0.0, 15.0), (10.0, 6.5)  # m; at base and top [TAB]
 RNA_MASS = 945_914.0  # kg [TAB]
 RNA_CM = (-7.311, -0.100, 4.596)  # m from the tower top [TAB]
 RNA_INERTIA = (3.7834e8, 2.7155e8, 2.5248e8, 1.8945e7)  # kg m2 about the tower top: xx, yy, zz, xz [TAB]
@@ -79,6 +81,25 @@ def deck_sum() -> tuple[float, np.ndarray, np.ndarray]:
     return DECK_MASS, cm, origin - DECK_MASS * (cm @ cm * np.eye(3) - np.outer(cm, cm))
 
 
+def faced(wind: fs.Wind | None, sums: tuple[float, np.ndarray, np.ndarray]) -> tuple[float, np.ndarray, np.ndarray]:
+    """Mass, centre of mass and inertia with the nacelle turned to face the wind: all the rest is round."""
+    if wind is None:
+        return sums
+    (c, s, _), (mass, cm, inertia) = wind.direction, sums
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return mass, turn @ cm, turn @ inertia @ turn.T
+
+
+def turbine(wind: fs.Wind | None) -> list[fs.Rotor]:
+    """The rotor with its tower, if there is a wind."""
+    if wind is None:
+        return []
+    import iea15  # beside this script; without a wind the platform does well alone
+
+    tower = fs.Tower(base=TOWER_BASE, top=TOWER_TOP, diameter=TOWER_DIAMETER)
+    return [iea15.rotor("platform", TOWER_TOP, tower)]
+
+
 def chain(name: str = "chain") -> fs.Section:
     """Studless chain of the moorings, R3, nominal 185 mm [DECK]."""
     return fs.Section(
@@ -97,16 +118,18 @@ def build(
     quadratic_damping: bool = True,
     waves: object = None,
     current: fs.Current | None = None,
+    wind: fs.Wind | None = None,
 ) -> fs.Model:
     """VolturnUS-S, floating and moored.
 
     depth [m]. platform_cm_z [m]: -14.94 as published [AG], -14.40 as in the deck. hydro: database or its path.
     deck_sums: take the deck's sums of mass and inertia; default: when platform_cm_z is the deck's. elements: of
     each chain. moorings, quadratic_damping: leave them out. waves, current: see floatsim.Sea.
+    wind: floatsim.Wind, which adds the turning rotor and the tower's drag.
     """
     if deck_sums is None:
         deck_sums = platform_cm_z == DECK_PLATFORM_CM_Z
-    mass, cm, inertia = deck_sum() if deck_sums else rigid_sum(platform_cm_z)
+    mass, cm, inertia = faced(wind, deck_sum() if deck_sums else rigid_sum(platform_cm_z))
     J = inertia
     platform = fs.Body(
         name="platform",
@@ -120,7 +143,7 @@ def build(
             quadratic_damping=QUADRATIC_DAMPING if quadratic_damping else np.zeros((6, 6)),
         ),
     )
-    parts: list[object] = [platform]
+    parts: list[object] = [platform, *turbine(wind)]
     joints = []
     if moorings:
         section = chain()
@@ -134,6 +157,7 @@ def build(
         parts=parts,
         joints=joints,
         sea=fs.Sea(depth=depth, density=DENSITY, waves=waves, current=current or fs.Current(speed=0.0)),
+        wind=wind,
         gravity=GRAVITY,
         expected=fs.Expected(
             periods_s={"surge": 142.0, "sway": 142.0, "heave": 20.4, "roll": 27.7, "pitch": 27.7},

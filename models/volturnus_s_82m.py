@@ -35,9 +35,13 @@ CABLE_REACH = 170.0  # m, in plan from the hang-off to a cable's anchor
 HYDRO = Path(__file__).with_name("volturnus_s_82m_hydro.nc")  # made by volturnus_s_bem.py --depth 82
 
 
-def floater(hydro: str | Path | object = HYDRO, hang_off: tuple[float, float, float] = HANG_OFF) -> fs.Body:
+def floater(
+    hydro: str | Path | object = HYDRO,
+    hang_off: tuple[float, float, float] = HANG_OFF,
+    wind: fs.Wind | None = None,
+) -> fs.Body:
     """The platform of volturnus_s.py with the database of this depth and a point where cables hang."""
-    body = volturnus_s.build(hydro=hydro, moorings=False).parts[0]
+    body = volturnus_s.build(hydro=hydro, moorings=False, wind=wind).parts[0]
     return fs.Body(**{**dict(body), "points": {**body.points, "hang_off": hang_off}})
 
 
@@ -90,12 +94,14 @@ def build(
     hydro: str | Path | object = HYDRO,
     waves: object = None,
     current: fs.Current | None = None,
+    wind: fs.Wind | None = None,
 ) -> fs.Model:
     """VolturnUS-S at 82 m, floating, moored and cabled.
 
     cables: leave them out with False. cable_angle_deg: of the first cable from +x to +y, the second is opposite.
     hang_off [m]: of both, in the body. cable_reach [m]: in plan from hang-off to anchor. cable_element [m]: length,
-    nearly. elements: of each chain. hydro: database or its path. waves, current: see floatsim.Sea.
+    nearly. elements: of each chain. hydro: database or its path. waves, current: see floatsim.Sea. wind:
+    floatsim.Wind, which adds the turning rotor and the tower's drag.
     """
     lines, joints = moorings(elements)
     if cables:
@@ -103,9 +109,10 @@ def build(
         lines, joints = lines + more_lines, joints + more_joints
     return fs.Model(
         name="volturnus_s_82m",
-        parts=[floater(hydro, hang_off), *lines],
+        parts=[floater(hydro, hang_off, wind), *volturnus_s.turbine(wind), *lines],
         joints=joints,
         sea=fs.Sea(depth=DEPTH, density=volturnus_s.DENSITY, waves=waves, current=current or fs.Current(speed=0.0)),
+        wind=wind,
         gravity=volturnus_s.GRAVITY,
     )
 

@@ -20,7 +20,7 @@ from floatsim.parts.body import Body
 from floatsim.solve.step import TOLERANCE
 from floatsim.study.channels import Sampler
 from floatsim.study.script import Script
-from floatsim.study.simulate import _check_case, _check_waves
+from floatsim.study.simulate import check_case, check_waves
 from floatsim.system.system import System, assemble
 
 STATISTICS = ("mean", "std", "min", "max", "period", "block_max", "block_min", "del", "utilisation")
@@ -76,7 +76,7 @@ def _of_case(
     matrix: Matrix, case: Case, scripts: dict[str, Script], structures: dict[Any, System], seas: set[str]
 ) -> Iterator[str]:
     run = case.run
-    _check_case(run.total, run.dt, run.interval, None, run.precision, None, TOLERANCE, None, True)
+    check_case(run.total, run.dt, run.interval, None, run.precision, None, TOLERANCE, None, True)
     if run.total - run.ramp < (run.interval or run.dt) * (1.0 - 1e-9):
         yield f"run: duration is {run.duration:g} s, shorter than the interval: nothing would be kept"
     if case.model not in scripts:
@@ -116,7 +116,7 @@ def _sea(model: Model, case: Case, seas: set[str]) -> Iterator[str]:
         return
     seas.add(sort)
     waves = sea.waves.realise(sea.depth, model.gravity)
-    _check_waves(waves, run.total, min(run.dt, run.interval or run.dt))
+    check_waves(waves, run.total, min(run.dt, run.interval or run.dt))
 
 
 def _turbulence(case: Case, seas: set[str]) -> Iterator[str]:

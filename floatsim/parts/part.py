@@ -49,7 +49,7 @@ class Part(Description):
 
     @property
     def between(self) -> tuple[Any, ...]:
-        """The two connection points or fixed points that it acts between, `a` and `b`, if it does."""
+        """The two connection points or fixed points that it acts between, `a` and `b`, or the one that it acts on."""
         return ()
 
     def children(self) -> list[Any]:

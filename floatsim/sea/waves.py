@@ -219,7 +219,7 @@ class IrregularWaves(Description):
         repeats within `duration`: if the envelope of its autocorrelation, having fallen below 0.3, is above 0.5 again.
         """
         omega, variance = self._equal_energy()
-        repeat = _repeat_period(omega, self.duration)
+        repeat = repeat_period(omega, self.duration)
         if repeat < self.duration:
             enough = math.ceil(self.components * self.duration / repeat)
             raise ModelError(
@@ -258,7 +258,7 @@ def _equal_energy_directions(s: float, n: int) -> Array:
     return np.asarray(2.0 * np.sign(share) * np.arcsin(np.sqrt(betaincinv(0.5, s + 0.5, np.abs(share)))))
 
 
-def _repeat_period(omega: Array, duration: float) -> float:
+def repeat_period(omega: Array, duration: float) -> float:
     """Time, s, after which waves of equal amplitude come back to their pattern; inf if not within `duration`.
 
     The envelope of the autocorrelation is |mean exp(i w tau)|; it is looked at every quarter of a mean period.

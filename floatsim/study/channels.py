@@ -287,6 +287,9 @@ class Sampler:
         yield from self._joints()
         text = "wave elevation at the world's origin"
         yield Channel("wave_elevation", text, "m"), s.environment[:1], 1.0, 0.0
+        if s.inflow is not None:
+            text = "wind at the reference height, at a point"
+            yield Channel("wind_speed", text, "m/s"), s.environment[1:], 1.0, 0.0
         text = "Newton iterations since the previous output"
         yield Channel("newton_iterations", text, "1", (), "int32"), s.solver[:1], 1.0, 0.0
         yield Channel("step_size", "time step before this output", "s"), s.solver[1:], 1.0, 0.0
@@ -411,7 +414,7 @@ class _Sources:
         # multipliers, then moments and forces of the rows that have one: see `_loads`
         self.carried = self._room(_loads(system)[3])
         self.attitude = self._room(3 * (system.n_rotation + 1))
-        self.solver, self.environment = self._room(2), self._room(1)
+        self.solver, self.environment = self._room(2), self._room(2)
         ne, nn = sum(p.elements for p in lines), sum(p.elements + 1 for p in lines)
         line = self._room(ne + 2 * (ne - len(lines)) + nn + 3 * len(lines))
         sizes = [ne, ne - len(lines), ne - len(lines), nn, len(lines)]
@@ -447,6 +450,8 @@ class _Sources:
         (_, self._x, self._v, self._a, self._carried, self._attitude, self._solver, self._environment, self._line,
          self._clamp, self._told) = rooms  # fmt: skip
         self._waves, self._ramp = system.waves, system.model.sea.wave_ramp
+        wind = system.model.wind
+        self.inflow = None if wind is None else wind.at_a_point()
         self._reach = CONTACT * system.model.sea.depth
         self.want(np.arange(self.size))
 
@@ -455,7 +460,7 @@ class _Sources:
         asked = np.zeros(self.size, dtype=bool)
         asked[index] = True
         (_, self._want_x, self._want_v, self._want_a, self._want_carried, self._want_attitude, _,
-         self._want_waves, self._want_lines, self._want_clamps,
+         self._want_environment, self._want_lines, self._want_clamps,
          self._want_told) = [bool(asked[part].any()) for part in self._slices]  # fmt: skip
 
     def _room(self, n: int) -> Index:
@@ -486,8 +491,10 @@ class _Sources:
         if self._want_told:
             for batch, share in zip(self._tell, self._shares):
                 batch.measure(w, self._told[share])
-        if self._want_waves and self._waves is not None:
+        if self._want_environment and self._waves is not None:
             self._environment[0] = self._waves.elevation(0.0, 0.0, w.t, self._ramp)
+        if self._want_environment and self.inflow is not None:
+            self._environment[1] = self.inflow.at(w.t, self._ramp)
 
 
 def _ties(system: System, point: int) -> list[tuple[int, int]]:

@@ -53,6 +53,7 @@ ROUNDING = 1e-12  # of stored energies
 WORKS = {  # what a positive number means
     "wave": "work of waves: excitation, water's motion and surface on lines and members",
     "current": "work of the current",
+    "wind": "work of the wind through rotors (thrust, generator's reaction) and on towers",
     "pto": "work of PTOs and spring dampers (negative: absorbed)",
     "drag": "work of drag and viscous damping, relative to the water",
     "radiation": "work of radiated waves",

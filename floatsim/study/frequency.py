@@ -167,6 +167,11 @@ def frequency_response(
     or if the linearisation does not settle.
     """
     system = as_system(model)
+    if system.model.wind is not None:
+        raise CaseError(
+            "frequency_response: the model has a wind; the controllers of rotors are left out in the frequency domain, "
+            "and with them their damping: build the model without a wind"
+        )
     w0 = _frequencies(system, omega)
     if not math.isfinite(heading_deg):
         raise CaseError(f"frequency_response: heading_deg is {heading_deg!r}; must be a finite number")

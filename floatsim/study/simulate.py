@@ -120,7 +120,7 @@ def as_system(model: Any) -> System:
     return assemble(model)
 
 
-def _check_case(duration: float, dt: float, interval: float | None, output: Any, precision: Any, scheme: Any,
+def check_case(duration: float, dt: float, interval: float | None, output: Any, precision: Any, scheme: Any,
                 tolerance: Any, state: Any, step_control: Any) -> tuple[float, float, float]:  # fmt: skip
     """(duration, dt, interval) [s]. Raises CaseError for what makes no sense, before anything is computed."""
     duration, dt = positive_seconds("duration", duration), positive_seconds("dt", dt)
@@ -184,7 +184,7 @@ def simulate(
     from. A run that cannot go on returns with status 'failed'.
     """
     given = {"duration": duration, "dt": dt, "interval": interval, "channels": channels}
-    duration, dt, interval = _check_case(
+    duration, dt, interval = check_case(
         duration, dt, interval, output, precision, scheme, tolerance, state, step_control
     )
     checkpoint_every = positive_seconds("checkpoint_every", checkpoint_every)
@@ -194,7 +194,8 @@ def simulate(
     sea = system.model.sea
     end = duration + (0.0 if state is None else state.t)
     if system.waves is not None:
-        _check_waves(system.waves, end, min(dt, interval))
+        check_waves(system.waves, end, min(dt, interval))
+    _check_wind(system.model.wind, end)
     if state is not None and (state.x.shape != system.x0.shape or len(state.lam) != system.n_con):
         raise CaseError(f"state: it belongs to another system than '{system.model.name}'")
     stepper = Stepper(system, scheme, tolerance)
@@ -225,7 +226,7 @@ def simulate(
         stepper.watch = ledger
     case: dict[str, str | int | float] = {
         "title": system.model.name, "water_depth": sea.depth, "floatsim_version": __version__,
-        **seed_of(sea.waves), **(attributes or {}),
+        **seed_of(sea.waves), **wind_of(system.model.wind), **(attributes or {}),
         "scheme": stepper.scheme.name, "step_control": int(step_control),
         "step": h, "output_interval": interval, "duration": duration,
     }  # fmt: skip
@@ -297,7 +298,8 @@ def resume(
             "one"
         )
     if system.waves is not None:
-        _check_waves(system.waves, t0 + duration, h)
+        check_waves(system.waves, t0 + duration, h)
+    _check_wind(system.model.wind, t0 + duration)
     stepper = Stepper(system, Scheme(*head["scheme"]), head["tolerance"])
     saved.take("stepper", stepper)
     ledger = saved.take("ledger", Ledger(system)) if head["energy"] else None
@@ -496,7 +498,7 @@ def _check_kept(keep_series: Any, output: Any) -> None:
         raise CaseError(f"output: got '{output}', but keep_series=False keeps nothing to write there; leave one out")
 
 
-def _check_waves(waves: Realisation, duration: float, h: float) -> None:
+def check_waves(waves: Realisation, duration: float, h: float) -> None:
     """Refuse a run longer than its waves, and steps that cannot follow them."""
     if duration > waves.duration * (1.0 + 1e-9):
         raise CaseError(
@@ -514,10 +516,27 @@ def _check_waves(waves: Realisation, duration: float, h: float) -> None:
         )
 
 
+def _check_wind(wind: Any, duration: float) -> None:
+    """Refuse a run longer than its turbulence."""
+    if wind is not None and duration > wind.duration * (1.0 + 1e-9):
+        raise CaseError(
+            f"the run ends at {duration:g} s, but the turbulence of the wind is only known not to repeat until "
+            f"{wind.duration:g} s; Kaimal takes a longer duration"
+        )
+
+
 def seed_of(waves: Any) -> dict[str, int]:
     """The seed of the waves as an attribute of the output, if they have one."""
     seed = getattr(waves, "seed", None)
     return {} if seed is None else {"seed": int(seed)}
+
+
+def wind_of(wind: Any) -> dict[str, int | float]:
+    """What the head of the output says of the wind, if there is one."""
+    if wind is None:
+        return {}
+    seed = {f"wind_{name}": value for name, value in seed_of(wind.turbulence).items()}
+    return {"mean_wind_speed": wind.speed, "wind_heading_deg": wind.heading_deg, **seed}
 
 
 class _Memory:

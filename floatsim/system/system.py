@@ -4,7 +4,7 @@ scratch: two runs on one System must not interleave.
 What a batch offers the system (the protocol; a part's description names its batch class):
 
     runs                        candidate chains: (first point, number of points)
-    connect(numbering)          optional: resolve names of other parts' connection points
+    connect(numbering)          optional: resolve names of other parts' connection points; numbering.wind is the model's
     dofs(n_point) -> tables     unknowns that each element couples
     bind(slots)                 slots of those tables, in the same order
     add(work)                   add matrix entries, residual, force sizes
@@ -77,6 +77,7 @@ class Numbering:
                 self.x0[p : p + len(x)] = x
                 self.R0[k : k + len(R)] = R
         self.attitude = Drawing(self.x0, self.R0)
+        self.wind = model.wind
 
     def index(self, name: str) -> int:
         """Position of the part `name`."""

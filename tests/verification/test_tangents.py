@@ -151,6 +151,17 @@ def sinkers():
     return fs.Model(parts=parts, sea=fs.Sea(depth=20.0, seabed=bed))
 
 
+def turbine(speed, **more):
+    """A rotor with its tower on a body; `moving`: its states move with the step, else it is at its steady point."""
+    import made_up_rotor
+
+    tower = fs.Tower(base=(1, 0, -60), top=(0, 0, 20), diameter=(7.0, 5.0), strips=3)
+    part = made_up_rotor.rotor("hull", tower_top=(0, 0, 20), overhang=6.0, tilt_deg=5.0, tower=tower,
+                               control=dict(velocity_feedback=0.02, maximum_pitch_deg=29.0), **more)  # fmt: skip
+    hull = fs.Body(name="hull", mass=1e5, inertia=(1e8, 1e8, 1e8), position=(0, 0, 80))
+    return fs.Model(parts=[hull, part], sea=AIR, gravity=0.0, wind=fs.Wind(speed=speed, shear=0.1))
+
+
 # name: (model, what of a line is kept (None: all), how the random states are drawn)
 SYSTEMS = {
     "axial": (line, "EA", {}),
@@ -204,6 +215,10 @@ SYSTEMS = {
     "members, under water": (lambda: members(-9.0), None, {"moving": True}),
     "sinkers, sticking": (sinkers, None, {"scale": 0.1, "sink": 1.0}),
     "sinkers, sliding": (sinkers, None, {"scale": 0.9, "sink": 2.0}),
+    "rotor, steady": (lambda: turbine(8.0), None, {}),
+    "rotor below rated": (lambda: turbine(8.0), None, {"moving": True}),
+    "rotor above rated": (lambda: turbine(17.0), None, {"moving": True}),
+    "parked rotor": (lambda: turbine(17.0, cut_out=12.0, parked_drag_area=80.0), None, {}),
     "point buoys": (buoys, None, {"flow": True, "scale": 0.3}),
 }  # fmt: skip
 ROWS = {"EA": EA, "CA": CA, "MASS": DRY}

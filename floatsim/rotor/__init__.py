@@ -1,0 +1,1 @@
+"""The rotor as two states and a surface: performance, controller, operating points."""

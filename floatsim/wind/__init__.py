@@ -1,0 +1,1 @@
+"""Wind: what blows at the rotor and along the tower."""
