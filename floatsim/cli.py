@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 
 import floatsim
+from floatsim.cases.commands import app as cases
 from floatsim.errors import CaseError, FloatsimError, ModelError, SolveFailed
 
 app = typer.Typer(
@@ -24,6 +25,7 @@ hydro = typer.Typer(
     "HDF5 of BEMIO, a folder of Nemoh or HAMS, or name.1 of WAMIT.",
 )  # fmt: skip
 app.add_typer(hydro, name="hydro")
+app.add_typer(cases, name="cases")
 
 Script = Annotated[
     str, typer.Argument(metavar="MODEL.py", help="Python file with build(**parameters), or a MoorDyn file.")
