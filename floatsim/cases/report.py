@@ -31,8 +31,6 @@ def report(source: str | Path | Any, output: str | Path | None = None) -> Path:
     if target.is_dir():
         raise CaseError(f"output '{target}' is a folder; give a file name")
     with _opened(source) as data:
-        if data.sizes.get("case", 0) == 0:
-            raise CaseError("the summary holds no cases")
         summary = Summary(data)
         if not summary.outlines and place is not None:
             summary.outlines = _drawn(place)

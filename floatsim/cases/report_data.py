@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from floatsim.errors import CaseError
 from floatsim.frames import Array
 
 MANY_VALUES = 24  # variables with more distinct numbers are put into bins
@@ -87,8 +88,15 @@ class Summary:
     """A summary.nc as the report sees it; n cases, arrays over all of them with nan where a case has no result."""
 
     def __init__(self, data: Any) -> None:
+        self.to_do = 0  # cases that were not run are not on the page
+        if "status" in data:
+            there = np.flatnonzero(data["status"].values.astype(str) != "missing")
+            self.to_do = int(data.sizes["case"] - len(there))
+            data = data.isel(case=there) if self.to_do else data
         self.data = data
         self.n = int(data.sizes["case"])
+        if self.n == 0:
+            raise CaseError("the summary holds no cases that were run")
         self.attrs = {str(k): v for k, v in data.attrs.items()}
         self.ids = self._texts("case_id", [str(c) for c in data["case"].values] if "case" in data else None)
         self.status = self._texts("status", ["done"] * self.n)

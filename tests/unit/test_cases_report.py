@@ -426,3 +426,13 @@ def test_what_is_refused(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="no cases"):
         report(summaries.decay().isel(case=slice(0)), tmp_path / "r.html")
     assert [p.name for p in tmp_path.iterdir()] == ["summary.nc"]
+
+
+def test_cases_that_were_not_run_are_counted_only(tmp_path):
+    data = summaries.screening()
+    status = np.array(["done" if k < 12 else "missing" for k in range(data.sizes["case"])], dtype=object)
+    text = report(data.assign_coords(status=("case", status)), tmp_path / "page.html").read_text()
+    assert "Report of 12 load cases" in text and f"{data.sizes['case'] - 12} of the matrix not run" in text
+    assert str(data.case_id.values[11]) in text and str(data.case_id.values[12]) not in text
+    with pytest.raises(CaseError, match="no cases that were run"):
+        report(data.assign_coords(status=("case", ["missing"] * data.sizes["case"])), tmp_path / "none.html")

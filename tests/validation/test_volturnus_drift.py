@@ -20,7 +20,7 @@ OMEGA = np.arange(17, 29) * 0.05  # rad/s
 WAMIT = 1e3 * np.array(
     [68.042, 63.723, 41.245, 72.906, 129.670, 127.215, 82.250, 91.176, 148.620, 149.622, 150.639, 124.495]
 )  # N/m2
-FILES = ["volturnus_s_82m_hydro.nc"]
+FILES = ["volturnus_s_82m_hydro.nc", "volturnus_s_hydro.nc"]
 CHECK = "mean drift of VolturnUS-S (far field) against WAMIT's QTF diagonal"
 
 

@@ -5,7 +5,6 @@ Numbers of the two tables of Verelst et al. 2024 are worked out by hand from the
 """
 
 import math
-import time
 from collections import Counter
 from itertools import product
 from pathlib import Path
@@ -15,7 +14,6 @@ import pytest
 
 from floatsim.cases.environment import build_case
 from floatsim.cases.matrix import read_matrix
-from floatsim.study.script import Script
 
 LOADCASES = Path(__file__).parents[2] / "loadcases"
 ANGLES = ("wind_heading_deg", "wave_heading_deg", "current_heading_deg", "cable_angle_deg")
@@ -29,9 +27,7 @@ def screening():
 
 @pytest.fixture(scope="module")
 def operational():
-    began = time.perf_counter()
-    matrix = read_matrix(LOADCASES / "operational_82m.yaml", check=False)
-    return matrix, time.perf_counter() - began
+    return read_matrix(LOADCASES / "operational_82m.yaml", check=False)
 
 
 def test_screening(screening, record):
@@ -56,9 +52,8 @@ def test_screening(screening, record):
 
 
 def test_operational(operational, record):
-    matrix, seconds = operational
+    matrix = operational
     record(CHECK, "operational_82m: cases", len(matrix.cases), (2250, 2250))
-    assert seconds < 10.0
     independent = ("wind_speed", "study_wind_heading_deg", "study_misalignment_deg", "current_speed",
                    "study_current_heading_deg", "seed")  # fmt: skip
     assert matrix.independent == independent
@@ -89,7 +84,7 @@ def test_operational(operational, record):
 @pytest.mark.parametrize("name", ["screening_82m", "operational_82m"])
 def test_our_picture_is_the_mirror_image(name, screening, operational, record):
     """Direction of an angle of the study, clockwise: (cos a, -sin a); the mirrored one of ours, in all rows."""
-    matrix = screening if name == "screening_82m" else operational[0]
+    matrix = screening if name == "screening_82m" else operational
     worst = 0.0
     for case in matrix.cases:
         own = case.variables
@@ -146,11 +141,7 @@ def test_some_of_them(record):
 
 @pytest.mark.parametrize("name", ["screening_82m", "operational_82m"])
 def test_their_models_can_be_built(name):
-    if "wind" not in Script(LOADCASES.parent / "models" / "volturnus_s_82m.py").takes:
-        pytest.skip("models/volturnus_s_82m.py takes no wind")
-    began = time.perf_counter()
     read_matrix(LOADCASES / f"{name}.yaml", check=True)
-    assert time.perf_counter() - began < 60.0
 
 
 def test_scatter_table_of_a_wec(record):
