@@ -30,6 +30,10 @@ import floatsim as fs
 DEPTH = 82.0  # m
 CHAIN_LENGTH, ANCHOR_RADIUS = 821.0, 853.0  # m, unstretched, and from the centre
 HANG_OFF = (0.0, 0.0, -20.0)  # m, bottom of the centre column
+# what utilisations refer to: chain R3 by DNV-OS-E302, 0.0223 d^2 (44 - 0.08 d) kN with d = 185 mm; of the cable's limits
+# nothing is published: 15 diameters, and a breaking load that is usual for its size
+CHAIN_BREAKING_LOAD = 22.286e6  # N
+CABLE_BREAKING_LOAD, CABLE_BEND_RADIUS = 200e3, 3.0  # N, m
 CABLE_REACH = 170.0  # m, in plan from the hang-off to a cable's anchor
 
 HYDRO = Path(__file__).with_name("volturnus_s_82m_hydro.nc")  # made by volturnus_s_bem.py --depth 82
@@ -48,7 +52,7 @@ def floater(
 def moorings(elements: int = 100) -> tuple[list[fs.Line], list[fs.Ball]]:
     """The chains, each in the vertical plane of its fairlead, with as many elements each."""
     lines, joints = [], []
-    section = volturnus_s.chain()
+    section = fs.Section(**{**dict(volturnus_s.chain()), "breaking_load": CHAIN_BREAKING_LOAD})
     for k, (x, y, _) in enumerate(volturnus_s.FAIRLEADS, 1):
         outwards = ANCHOR_RADIUS / math.hypot(x, y)
         lines.append(fs.Line(name=f"mooring_{k}", section=section, length=CHAIN_LENGTH, elements=elements))
@@ -62,7 +66,9 @@ def cable_pieces(element: float) -> list[fs.Piece]:
     pieces = lazy_wave.build(depth=DEPTH).parts[0].pieces
     ends = [round(s / element) for s in accumulate(piece.length for piece in pieces)]
     counts = [max(1, last - first) for first, last in pairwise([0, *ends])]
-    return [fs.Piece(section=p.section, length=p.length, elements=n) for p, n in zip(pieces, counts, strict=True)]
+    limits = {"breaking_load": CABLE_BREAKING_LOAD, "minimum_bend_radius": CABLE_BEND_RADIUS}
+    sections = [fs.Section(**{**dict(p.section), **limits}) for p in pieces]
+    return [fs.Piece(section=s, length=p.length, elements=n) for s, p, n in zip(sections, pieces, counts, strict=True)]
 
 
 def power_cables(

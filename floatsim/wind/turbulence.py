@@ -18,8 +18,8 @@ disc. With r = 2 R cos(y):
 1 for small discs and 8/(2 q R)^2 for large ones.
 
 Harmonics as in sea/waves.py: the spectrum of the point is cut into bins of equal energy, each with one harmonic at the
-frequency that halves it; phases from the raw integers of PCG64. Each is lowered by chi of its frequency. Below
-1/`longest_period` a fluctuation is a change of the mean, which the load case has stated, above `highest_frequency`
+frequency that halves it; phases from the raw integers of PCG64, far on in its stream, because a sea of the same seed
+takes the first. Each is lowered by chi of its frequency. Below 1/`longest_period` a fluctuation is a change of the mean, which the load case has stated, above `highest_frequency`
 there is hardly anything left on a rotor: both are cut off, and the amplitudes are raised so that the standard
 deviation at a point is `intensity` times the mean wind all the same.
 """
@@ -141,7 +141,7 @@ class Kaimal(Description):
             )
         sigma = self.intensity * speed
         chi = np.sqrt(disc_admittance(radius * self.decay(f, speed)))
-        raw = np.random.PCG64(self.seed).random_raw(self.components)
+        raw = np.random.PCG64(self.seed).jumped().random_raw(self.components)  # else a sea of this seed had its phases
         phase = (raw >> np.uint64(11)) * (2.0 * np.pi / 2.0**53)
         packed = np.stack([sigma * math.sqrt(2.0 / self.components) * chi, omega, phase], axis=1)
         packed = np.ascontiguousarray(packed, dtype=np.float64)

@@ -187,3 +187,9 @@ def test_frequency_domain_is_refused():
     held = fs.Model(parts=model(rotor(), wind=wind).parts, joints=[weld], sea=fs.Sea(depth=200.0), wind=wind)
     with pytest.raises(fs.CaseError, match="the model has a wind"):
         fs.frequency_response(held, [0.1, 0.2])
+
+
+def test_a_sea_of_the_same_seed_has_other_phases():
+    waves = fs.IrregularWaves(spectrum=fs.Jonswap(hs=2.0, tp=8.0), seed=5, components=100).realise(100.0, 9.81)
+    wind = fs.Kaimal(intensity=0.1, seed=5, components=400).realise(10.0, 0.0)
+    assert not set(np.round(waves.phase % (2.0 * np.pi), 9)) & set(np.round(wind.packed[:, 2], 9))

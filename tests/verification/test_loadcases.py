@@ -48,7 +48,7 @@ def test_screening(screening, record):
     assert spot.parameters == {"cable_angle_deg": -60}
     assert spot.environment["waves"] == {"spectrum": "jonswap", "hs": 12.5, "tp": 18.4, "heading_deg": -45, "seed": 2}
     assert spot.environment["current"]["speed"] == 0 and spot.environment["wind"]["heading_deg"] == -45
-    assert (spot.run.duration, spot.run.ramp, spot.run.total) == (600.0, 200.0, 800.0)
+    assert (spot.run.duration, spot.run.ramp, spot.run.total) == (600.0, 100.0, 700.0)
 
 
 def test_operational(operational, record):
