@@ -30,8 +30,8 @@ import floatsim as fs
 DEPTH = 82.0  # m
 CHAIN_LENGTH, ANCHOR_RADIUS = 821.0, 853.0  # m, unstretched, and from the centre
 HANG_OFF = (0.0, 0.0, -20.0)  # m, bottom of the centre column
-# what utilisations refer to: chain R3 by DNV-OS-E302, 0.0223 d^2 (44 - 0.08 d) kN with d = 185 mm; of the cable's limits
-# nothing is published: 15 diameters, and a breaking load that is usual for its size
+# what utilisations refer to: chain R3 by DNV-OS-E302, 0.0223 d^2 (44 - 0.08 d) kN with d = 185 mm; of the cable's
+# limits nothing is published: 15 diameters, and a breaking load that is usual for its size
 CHAIN_BREAKING_LOAD = 22.286e6  # N
 CABLE_BREAKING_LOAD, CABLE_BEND_RADIUS = 200e3, 3.0  # N, m
 CABLE_REACH = 170.0  # m, in plan from the hang-off to a cable's anchor

@@ -19,9 +19,9 @@ disc. With r = 2 R cos(y):
 
 Harmonics as in sea/waves.py: the spectrum of the point is cut into bins of equal energy, each with one harmonic at the
 frequency that halves it; phases from the raw integers of PCG64, far on in its stream, because a sea of the same seed
-takes the first. Each is lowered by chi of its frequency. Below 1/`longest_period` a fluctuation is a change of the mean, which the load case has stated, above `highest_frequency`
-there is hardly anything left on a rotor: both are cut off, and the amplitudes are raised so that the standard
-deviation at a point is `intensity` times the mean wind all the same.
+takes the first. Each is lowered by chi of its frequency. Below 1/`longest_period` a fluctuation is a change of the
+mean, which the load case has stated, above `highest_frequency` there is hardly anything left on a rotor: both are cut
+off, and the amplitudes are raised so that the standard deviation at a point is `intensity` times the mean wind.
 """
 
 from __future__ import annotations
