@@ -7,7 +7,7 @@ that makes them fulfil the row,
     M dv + G^T p = 0,     G (v + dv) = 0,     lost energy = 1/2 dv^T M dv
 
 (Carnot; e.g. Brogliato, Nonsmooth Mechanics, chapter 4), accelerations and multipliers start afresh from there, and so
-they do at a release. Both happen at the beginning of a step.
+they do at a release. Both happen at the beginning of a step, and a run divides its steps where one is foreseen.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ from floatsim.joints.constraints import Align, Constraints, Inline, JointRows, K
 from floatsim.joints.coordinates import Slide, Turn
 from floatsim.parts.part import Output, Part
 
+_SOON = 0.05  # of the last step
+
 
 class Lock(Part):
     """Holds a coordinate of `joint` while engaged. It is a part: it stands in the model's list of parts.
@@ -42,8 +44,9 @@ class Lock(Part):
                       engaged
     latch_for         latching: engages whenever the coordinate's rate changes its sign, for so long [s]
 
-    All are looked at at the beginning of every step: times on the grid of steps are met exactly, others up to one step
-    late, and latching is off by up to half a step. Outputs: `NAME_engaged` (0 or 1), `NAME_energy_lost` [J] by engaging
+    All are looked at at the beginning of every step. Runs divide a step at times given and where the rate changes its
+    sign; `step` by hand does not, and a controller is not foreseen: times that are no multiples of the step are then
+    met up to one step late. Outputs: `NAME_engaged` (0 or 1), `NAME_energy_lost` [J] by engaging
     so far, and the force or moment by which side a of the joint acts on side b through the lock.
     """
 
@@ -204,6 +207,13 @@ class LockBatch:
                 changed = True
         return changed
 
+    def next_event(self, state: Any, history: list[Latch]) -> float:
+        """The next time [s] at which a lock is foreseen to engage or release; inf if none. Latching engages where the
+        rate, a straight line through this step's beginning and the last one's, is zero: off by O(h^2)."""
+        found = [_foreseen(part, latch, c, state)
+                 for part, c, latch in zip(self.parts, self._coordinates, history, strict=True)]  # fmt: skip
+        return min(found, default=math.inf)
+
     def struck(self, history: list[Latch], lost: Array) -> None:
         """Energy lost by row [J] when velocities were made consistent."""
         for latch, (_, _, row) in zip(history, self._at, strict=True):
@@ -239,13 +249,28 @@ def _wanted(part: Lock, latch: Latch, coordinate: Slide | Turn, state: Any) -> b
     if part.latch_for is not None:
         if latch.engaged:
             return now < latch.since + part.latch_for
-        # at the beginning of the step that is nearest to the change of sign; rounding errors of a rest are no rate
+        # where the sign has changed, or is about to: a step that was divided there ends a little before or after.
+        # Rounding errors of a rest are no rate
         before, latch.rate = latch.rate, value(coordinate, state)[1]
-        ahead = 1.5 * latch.rate - 0.5 * before
+        ahead = latch.rate + _SOON * (latch.rate - before)
         return before * ahead < 0.0 and abs(before) > 1e-6 * abs(ahead)
     events = [(time, True) for time in part.engage] + [(time, False) for time in part.release]
     past = [event for event in events if event[0] <= now]
     return max(past)[1] if past else latch.engaged
+
+
+def _foreseen(part: Lock, latch: Latch, coordinate: Slide | Turn, state: Any) -> float:
+    """When the lock will engage or release next, after the state's time; inf if that is not known."""
+    t = state.t
+    if part.latch_for is None:
+        return min((time for time in (*part.engage, *part.release) if time > t), default=math.inf)
+    if latch.engaged:
+        release = latch.since + part.latch_for
+        return release if release > t else math.inf
+    rate = value(coordinate, state)[1]
+    if not (latch.looked < t and latch.rate * rate > 0.0 and abs(rate) < abs(latch.rate)):
+        return math.inf
+    return float(t + (t - latch.looked) * rate / (latch.rate - rate))
 
 
 def value(coordinate: Slide | Turn, state: Any) -> tuple[float, float]:

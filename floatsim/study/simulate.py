@@ -24,7 +24,7 @@ from floatsim.model import Model
 from floatsim.sea.waves import Realisation
 from floatsim.solve.scheme import Scheme
 from floatsim.solve.static import solve_static
-from floatsim.solve.step import TOLERANCE, Stepper
+from floatsim.solve.step import TOLERANCE, Stepper, StepReport
 from floatsim.study import checkpoint as checkpoints
 from floatsim.study.channels import Sampler
 from floatsim.study.energy import Energy, Ledger
@@ -37,6 +37,7 @@ from floatsim.version import __version__
 STEPS_PER_WAVE, FAST_SHARE = 10.0, 0.05  # steps a wave needs, and how much of the energy may have fewer
 MAX_CUTS = 12  # halvings of the asked step before a run gives up
 MAX_ERROR_CUTS = 7  # halvings for the sake of accuracy; a step this small is accepted whatever its error
+_INSTANT = 1e-6  # of a step: events so near to its ends are met by them
 _CALM = 4  # good steps before a cut step is doubled again
 _EASY = 0.2  # of the allowed local error, below which a cut step may be doubled: the error falls with the square
 
@@ -630,11 +631,15 @@ class _Loop:
         """One step of h, in pieces if need be."""
         done = 0  # pieces of h / 2^level
         while done < 2**self.level:
-            allowed = (1.0 if self.level < MAX_ERROR_CUTS else math.inf) if self.control else None
-            report = self.stepper.step(self.state, self.h / 2**self.level, allowed)
-            self.iterations += report.iterations
-            self.iterations_of_last += report.iterations
-            self.last_step = report.step
+            piece = self.h / 2**self.level
+            until = self.stepper.system.next_event(self.state) - self.state.t
+            if _INSTANT * piece < until < (1.0 - _INSTANT) * piece:
+                reason = self._through(until, piece - until)
+                if reason:
+                    return reason
+                done += 1
+                continue
+            report = self._step(piece, (1.0 if self.level < MAX_ERROR_CUTS else math.inf) if self.control else None)
             if report.converged:
                 self.steps += 1
                 self.calm = self.calm + 1 if report.error < _EASY else 0
@@ -648,6 +653,29 @@ class _Loop:
                     return f"a step of {self.h / 2**self.level:.3g} s still fails: {report.reason}"
                 self.level, done = self.level + 1, 2 * done
         return ""
+
+    def _through(self, *parts: float) -> str:
+        """Steps that meet at an event, each in pieces if need be. What comes next starts afresh: after steps that may
+        be as short as one likes, accelerations are not what they were extrapolated to."""
+        for part in parts:
+            count, done = 1, 0
+            while done < count:
+                report = self._step(part / count, math.inf if self.control else None)
+                if report.converged:
+                    self.steps, done = self.steps + 1, done + 1
+                elif count < 2**MAX_CUTS:
+                    self.cuts, count, done = self.cuts + 1, 2 * count, 2 * done
+                else:
+                    return f"a step of {part / count:.3g} s still fails: {report.reason}"
+            self.state.step = 0.0
+        return ""
+
+    def _step(self, h: float, allowed: float | None) -> StepReport:
+        report = self.stepper.step(self.state, h, allowed)
+        self.iterations += report.iterations
+        self.iterations_of_last += report.iterations
+        self.last_step = report.step
+        return report
 
 
 def run_or_raise(run: Run) -> Run:

@@ -29,13 +29,15 @@ What a batch offers the system (the protocol; a part's description names its bat
                                 (study/energy.py)
     unused(history)             optional: before the first equilibrium nothing was ever loaded, however it is drawn
     rows(coordinates) -> {name: [row]}, hold(constraints, joint_rows), engage_all(history), switch(state, history),
-    struck(history, lost)       optional, of locks (joints/lock.py): constraint rows of their own; which they are; all
-                                on, to check their rank; whether one engages or releases before a step; what it cost by
-                                constraint row [J]
+    next_event(state, history), struck(history, lost)
+                                optional, of locks (joints/lock.py): constraint rows of their own; which they are; all
+                                on, to check their rank; whether one engages or releases before a step; when the next
+                                will; what it cost by constraint row [J]
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -284,6 +286,11 @@ class System:
     def switch(self, state: State) -> bool:
         """Let locks engage and release at the state, before a step; whether one did."""
         return any([b.switch(state, state.history[k]) for k, b in enumerate(self.batches) if hasattr(b, "switch")])
+
+    def next_event(self, state: State) -> float:
+        """The next time [s] after that of the state at which a lock is foreseen to engage or release; inf if none."""
+        found = [b.next_event(state, state.history[k]) for k, b in enumerate(self.batches) if hasattr(b, "next_event")]
+        return min(found, default=math.inf)
 
     def struck(self, state: State, lost: Array) -> None:
         """Tell locks what energy each constraint row took [J] (n_con,) when velocities were made consistent."""
