@@ -67,6 +67,17 @@ def test_same_seed_same_wind():
     assert np.array_equal(a[:, 0], c[:, 0])  # amplitudes are deterministic
 
 
+def test_wind_and_sea_of_one_seed_are_independent():
+    """Same phases, and all waves and gusts would start together: correlation 0.9 over seeds at the start."""
+    seeds, n = range(40), 200
+    wind = np.array([fs.Kaimal(intensity=TI, seed=k).realise(U, 0.0).packed[:n, 2] for k in seeds])
+    sea = fs.Jonswap(hs=6.0, tp=11.0)
+    for more in ({}, {"spreading": 5.0}):
+        waves = np.array([fs.IrregularWaves(spectrum=sea, seed=k, **more).realise(82.0, 9.81).phase for k in seeds])
+        for shift in range(n):
+            assert abs(np.exp(1j * (wind - np.roll(waves, shift, axis=1))).mean()) < 4.5 / math.sqrt(waves.size)
+
+
 def test_disc_admittance(record):
     """Against the double integral over the disc, point by point, and its limits."""
     rng = np.random.default_rng(1)

@@ -10,6 +10,7 @@ import pytest
 from made_up_rotor import AREA, BEST, C0, GAIN, INERTIA, RADIUS, RATED_SPEED, RATED_TORQUE, SLOPE, power, rotor, thrust
 from mechanics import observed_order, run
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import floatsim as fs
 from floatsim.parts.rotor import RotorBatch
@@ -140,18 +141,45 @@ def test_speed_in_time(U, start, record):
     assert y[FILTER] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_velocity_feedback_filter():
-    """A hub that is driven at constant speed: the feedback rises to K_f v as 1 - exp(-w_f t), and so does the pitch's
-    command; here seen in the filter state itself."""
-    v, corner = 0.5, 0.4
+def test_velocity_feedback():
+    """A hub that is driven at constant speed: the feedback rises to K_f v as 1 - exp(-w_f t). Downwind it turns the
+    blades out of the wind: at rated speed the integrator ends up K_f v below the pitch that the relative wind needs."""
+    U, v, corner, gain = 16.0, 0.5, 0.4, 0.01
     motion = fs.Motion(lambda t: np.array([v * t, 0, 90.0, 0, 0, 0]), lambda t: np.array([v, 0, 0, 0, 0, 0.0]),
                        lambda t: np.zeros(6))  # fmt: skip
-    part = rotor("nacelle", control=dict(velocity_feedback=0.01, feedback_corner=corner))
+    part = rotor("nacelle", control=dict(velocity_feedback=gain, feedback_corner=corner))
     system = fs.assemble(fs.Model(parts=[body(), part], joints=[fs.Prescribed(a="nacelle", motion=motion)], sea=SEA,
-                                  wind=fs.Wind(speed=16.0)))  # fmt: skip
-    state = fs.simulate(system, 5.0, 0.05).state
+                                  wind=fs.Wind(speed=U)))  # fmt: skip
     k, _ = rotors(system)
-    assert state.history[k][0, FILTER] == pytest.approx(v * (1.0 - math.exp(-corner * 5.0)), rel=1e-4)
+    first = fs.simulate(system, 5.0, 0.05).state
+    assert first.history[k][0, FILTER] == pytest.approx(v * (1.0 - math.exp(-corner * 5.0)), rel=1e-4)
+    last = fs.simulate(system, 150.0, 0.1, state=first).state.history[k][0]
+    _, pitch, *_ = operating_point(U - v)
+    assert last[[SPEED, PITCH]] == pytest.approx([RATED_SPEED, pitch], rel=1e-6)
+    assert pitch - last[INTEGRATOR] == pytest.approx(gain * v, rel=1e-4)
+
+
+def test_gains_give_frequency_and_damping(record):
+    """J O'' + (-Q_O - Q_p K_p) O' - Q_p K_i O = 0 with the chosen w and z at every pitch of the table, slopes of the
+    closed form by differences; where the rotor's own damping is more than that, K_p = 0."""
+    w, z, h = 0.3, 0.2, 1e-6
+    _, batch = rotors(fs.assemble(held(fs.Wind(speed=16.0), control=dict(natural_frequency=w, damping_ratio=z))))
+    table = batch.data[0][4]
+
+    def torque(U, O, p):
+        l = O * RADIUS / U
+        return AREA * RADIUS * U * U * power(l, p) / l
+
+    own, worst = [], 0.0
+    for p, Kp, Ki in table:
+        U = brentq(lambda U, p=p: operating_point(U)[1] - p, 9.5, 40.0)
+        by_speed = (torque(U, RATED_SPEED + h, p) - torque(U, RATED_SPEED - h, p)) / (2 * h)
+        by_pitch = (torque(U, RATED_SPEED, p + h) - torque(U, RATED_SPEED, p - h)) / (2 * h)
+        own.append(-by_speed / (2 * w * INERTIA))
+        worst = max(worst, abs(math.sqrt(-by_pitch * Ki / INERTIA) / w - 1.0),
+                    abs(own[-1] - by_pitch * Kp / (2 * w * INERTIA) - max(z, own[-1])))  # fmt: skip
+    assert min(own) < z < max(own)
+    record(CHECK, "gains of the speed loop: its frequency (relative) and damping ratio", worst, 1e-6)
 
 
 HALF_TURN = (0.0, 0.0, 0.0, 1.0)  # about the vertical: wind from behind does nothing to a rotor
