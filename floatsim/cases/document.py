@@ -54,6 +54,8 @@ class Document:
             mark = getattr(error, "problem_mark", None)
             where = f", line {mark.line + 1}" if mark else ""
             said = getattr(error, "problem", None) or " ".join(str(error).split())
+            if "<block" in said:  # the parser's word for lines that do not stand in one column
+                said = "keys of one level must begin in the same column"
             raise CaseError(f"{path.name}{where}: this is no YAML: {said}") from None
         except RecursionError:
             raise CaseError(f"{path.name}: nested too deeply") from None

@@ -77,7 +77,8 @@ class Summary:
             more = f" and {len(records) - SHOWN} more" if len(records) > SHOWN else ""
             out += [f"  {len(records)} {kind}: {message}", f"      {names}{more}"]
         if self.failed:
-            out.append("  logs are in cases/, records in failed/; `floatsim cases rerun --failed` runs them again")
+            again = "`floatsim cases rerun --failed MATRIX.yaml` runs them again"
+            out.append(f"  logs are in cases/, records in failed/; {again}")
         if self.stopped:
             out.append(f"stopped: {self.stopped}")
         return out
@@ -166,7 +167,8 @@ def _opening(queue: Sequence[Case], wanted: Mapping[str, Case], done: set[str], 
              again: bool) -> str:  # fmt: skip
     finished = sum(name in done for name in wanted)
     broken = sum(name in failed for name in wanted)
-    rest = f", {broken} failed earlier" + ("" if again else " (`floatsim cases rerun --failed`)") if broken else ""
+    hint = "" if again else " (`floatsim cases rerun --failed MATRIX.yaml`)"
+    rest = f", {broken} failed earlier{hint}" if broken else ""
     return f"{len(queue)} cases to run; {finished} are done already{rest}"
 
 

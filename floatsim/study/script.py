@@ -220,7 +220,10 @@ def blamed(error: BaseException) -> str | None:
 
 
 def _listed(parameters: dict[str, Any]) -> str:
-    return ", ".join(f"{name}={value!r}" for name, value in parameters.items())
+    """Plain values as they are, objects such as a sea by what they are: their many values would hide the message."""
+    plain = (int, float, str, tuple, list, type(None))
+    return ", ".join(f"{name}={value!r}" if isinstance(value, plain) else f"{name}={type(value).__name__}(...)"
+                     for name, value in parameters.items())  # fmt: skip
 
 
 def script_files(path: str | Path) -> list[Path]:

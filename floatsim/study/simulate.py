@@ -348,7 +348,10 @@ def script_parameters(saved: checkpoints.Saved, path: str | None = None) -> tupl
     """The script that made the model of a checkpoint, or `path`, and its parameters. CaseError if it is not known."""
     script, parameters = saved.header["script"] or ("", {"dict": []})
     if not (path or script):
-        raise CaseError(f"checkpoint '{saved.path}': its model was made by no script alone; give it as at the start")
+        raise CaseError(
+            f"checkpoint '{saved.path}': its model was made by no script alone; give it as at the start, "
+            "from Python: floatsim.resume(checkpoint, model)"
+        )
     if not path and not Path(script).is_file():
         raise CaseError(f"checkpoint '{saved.path}': the model script '{script}' is no longer there; say where it is")
     return path or script, checkpoints.unpack(parameters, [], None)
