@@ -164,7 +164,7 @@ def check(script: Script, p: Parameters = []) -> None:  # noqa: B006
         rows = [
             ["weight [kN]", "", "", f"{-sheet.weight / 1e3:.2f}"],
             ["buoyancy [kN]", "", "", f"{sheet.buoyancy / 1e3:.2f}"],
-            ["lines, joints, springs, current [kN]", *(f"{y / 1e3:.2f}" for y in a)],
+            ["lines, joints, springs, current, wind [kN]", *(f"{y / 1e3:.2f}" for y in a)],
             ["net force [kN]", *(f"{y / 1e3:.2f}" for y in f)],
             ["net moment [kN m]", *(f"{y / 1e3:.2f}" for y in m)],
         ]
@@ -224,7 +224,8 @@ def modes(
     system, _ = _load(script, p)
     found = floatsim.natural_modes(system, count=count)
     rows = [[mode.label, f"{mode.period:.3f}", f"{100.0 * mode.damping_ratio:.3f}"] for mode in found]
-    _console().print(_table("natural modes", ["shape (share of kinetic energy)", "period [s]", "damping [%]"], rows))
+    _console().print(_table("natural modes", ["shape (share of kinetic energy)", "period [s]", "radiation [%]"], rows))
+    _console().print("damping is that of radiation alone: drag, PTOs and a rotor's wind and controller are left out")
 
 
 @app.command()

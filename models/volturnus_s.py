@@ -81,6 +81,11 @@ def deck_sum() -> tuple[float, np.ndarray, np.ndarray]:
     return DECK_MASS, cm, origin - DECK_MASS * (cm @ cm * np.eye(3) - np.outer(cm, cm))
 
 
+def steady(wind: fs.Wind | float | None) -> fs.Wind | None:
+    """A number is the speed of a steady wind along x [m/s]."""
+    return fs.Wind(speed=wind) if isinstance(wind, int | float) else wind
+
+
 def faced(wind: fs.Wind | None, sums: tuple[float, np.ndarray, np.ndarray]) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, centre of mass and inertia with the nacelle turned to face the wind: all the rest is round."""
     if wind is None:
@@ -118,15 +123,16 @@ def build(
     quadratic_damping: bool = True,
     waves: object = None,
     current: fs.Current | None = None,
-    wind: fs.Wind | None = None,
+    wind: fs.Wind | float | None = None,
 ) -> fs.Model:
     """VolturnUS-S, floating and moored.
 
     depth [m]. platform_cm_z [m]: -14.94 as published [AG], -14.40 as in the deck. hydro: database or its path.
     deck_sums: take the deck's sums of mass and inertia; default: when platform_cm_z is the deck's. elements: of
     each chain. moorings, quadratic_damping: leave them out. waves, current: see floatsim.Sea.
-    wind: floatsim.Wind, which adds the turning rotor and the tower's drag.
+    wind: floatsim.Wind, or the speed of a steady one [m/s], which adds the turning rotor and the tower's drag.
     """
+    wind = steady(wind)
     if deck_sums is None:
         deck_sums = platform_cm_z == DECK_PLATFORM_CM_Z
     mass, cm, inertia = faced(wind, deck_sum() if deck_sums else rigid_sum(platform_cm_z))

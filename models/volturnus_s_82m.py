@@ -100,15 +100,16 @@ def build(
     hydro: str | Path | object = HYDRO,
     waves: object = None,
     current: fs.Current | None = None,
-    wind: fs.Wind | None = None,
+    wind: fs.Wind | float | None = None,
 ) -> fs.Model:
     """VolturnUS-S at 82 m, floating, moored and cabled.
 
     cables: leave them out with False. cable_angle_deg: of the first cable from +x to +y, the second is opposite.
     hang_off [m]: of both, in the body. cable_reach [m]: in plan from hang-off to anchor. cable_element [m]: length,
     nearly. elements: of each chain. hydro: database or its path. waves, current: see floatsim.Sea. wind:
-    floatsim.Wind, which adds the turning rotor and the tower's drag.
+    floatsim.Wind, or the speed of a steady one [m/s], which adds the turning rotor and the tower's drag.
     """
+    wind = volturnus_s.steady(wind)
     lines, joints = moorings(elements)
     if cables:
         more_lines, more_joints = power_cables(cable_angle_deg, hang_off, cable_reach, cable_element)

@@ -38,6 +38,7 @@ from floatsim.sea.spectra import Spectrum
 
 Array = NDArray[np.float64]
 
+_MOST_CUT = 0.2  # share of the energy that omega_max may leave out
 _FORGOTTEN, _REPEATED = (
     0.3,
     0.5,
@@ -200,7 +201,7 @@ class IrregularWaves(Description):
                  About 5 to 10 for wind seas and more for swell; the r.m.s. spread is near sqrt(2/(s + 1)) rad
     components   number of waves
     duration     s, within which the sea must not repeat; `realise` refuses it otherwise
-    omega_max    rad/s: the spectrum is cut here and its energy above left out (not spread over the rest)
+    omega_max    rad/s: the spectrum is cut here and its energy above, a fifth at most, left out (not spread)
     """
 
     spectrum: SpectrumField
@@ -243,6 +244,14 @@ class IrregularWaves(Description):
     def _equal_energy(self) -> tuple[Array, float]:
         """Frequencies (n,) that halve the energy of n bins of equal energy, and the variance in all of them, m2."""
         grid, energy = cumulative_energy(self.spectrum, self.omega_max, self._label())
+        if self.omega_max is not None:
+            whole = cumulative_energy(self.spectrum, None, self._label())[1][-1]
+            if energy[-1] < (1.0 - _MOST_CUT) * whole:
+                lost = 100.0 * (1.0 - energy[-1] / whole)
+                raise ModelError(
+                    f"{self._label()}: omega_max {self.omega_max:g} rad/s cuts off {lost:.3g} % of the sea's energy, "
+                    f"{100.0 * _MOST_CUT:g} % is allowed (is it in Hz?)"
+                )
         middle = (np.arange(self.components) + 0.5) / self.components * energy[-1]
         return np.interp(middle, energy, grid), float(energy[-1])
 

@@ -10,6 +10,7 @@ import numpy as np
 from floatsim.parts.body import Body
 from floatsim.parts.line import Line
 from floatsim.parts.pto import PTO
+from floatsim.parts.rotor import Rotor
 from floatsim.study.channels import Sampler
 from floatsim.study.frequency import FrequencyResponse
 from floatsim.study.power import mean_power
@@ -42,9 +43,16 @@ def static_tables(system: System, state: State) -> list[Table]:
             rows.append([body.name, *(f"{y:.4f}" for y in (*xi[:3], *np.degrees(xi[3:])))])
         columns = ["body", *(f"{d} [{'m' if k < 3 else 'deg'}]" for k, d in enumerate(DOFS))]
         tables.append(("displacement from the drawing position", columns, rows))
+    sampler = Sampler(system, "all")
+    row = sampler.sample_state(state)[None]
+    rotors = [part.name for part in system.model.parts if isinstance(part, Rotor)]
+    if rotors:
+        scales = {"relative_wind": 1.0, "speed": 30.0 / np.pi, "pitch": 180.0 / np.pi, "thrust": 1e-3, "power": 1e-6}
+        rows = [[name, *(f"{scale * sampler.column(row, f'{name}_{what}')[0]:.3f}" for what, scale in scales.items())]
+                for name in rotors]  # fmt: skip
+        columns = ["rotor", "wind along the shaft [m/s]", "speed [rpm]", "pitch [deg]", "thrust [kN]", "power [MW]"]
+        tables.append(("rotors in the mean wind (no speed: parked)", columns, rows))
     if lines:
-        sampler = Sampler(system, "all")
-        row = sampler.sample_state(state)[None]
         rows = []
         for line in lines:
             ends = [sampler.column(row, f"{line.name}_end_{e}_force")[0] / 1e3 for e in "ab"]

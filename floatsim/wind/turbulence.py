@@ -32,7 +32,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from floatsim.description import Description, NonNegative, Positive, PositiveInt
 from floatsim.errors import ModelError
@@ -99,6 +99,13 @@ class Kaimal(Description):
     duration: Positive = 3600.0
     longest_period: Positive = 600.0
     highest_frequency: Positive = 0.5
+
+    @field_validator("intensity")
+    @classmethod
+    def _share(cls, value: float) -> float:
+        if value > 1.0:
+            raise ValueError(f"got {value:g}; a share of the mean wind, 0.14 for 14 %, at most 1")
+        return value
 
     @model_validator(mode="after")
     def _band(self) -> Kaimal:

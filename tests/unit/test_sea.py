@@ -317,3 +317,11 @@ def test_cosine_ramp():
     assert wave.elevation(0.0, 0.0, t, ramp=40.0) == pytest.approx(
         wave.elevation(0.0, 0.0, t) * [0.5 - np.sqrt(0.125), 1.0]
     )
+
+
+def test_a_sea_cut_below_its_peak_is_refused():
+    """0.3 Hz taken for rad/s: nothing of a sea of 8 s (0.785 rad/s) would be left."""
+    waves = IrregularWaves(spectrum=Jonswap(hs=3.0, tp=8.0), seed=1, omega_max=0.3)
+    with pytest.raises(ModelError, match=r"omega_max 0.3 rad/s cuts off 100 % of the sea's energy"):
+        waves.realise(100.0, G)
+    assert IrregularWaves(spectrum=Jonswap(hs=3.0, tp=8.0), seed=1, omega_max=1.6).realise(100.0, G).variance < 0.5625

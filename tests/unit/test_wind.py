@@ -204,3 +204,8 @@ def test_a_sea_of_the_same_seed_has_other_phases():
     waves = fs.IrregularWaves(spectrum=fs.Jonswap(hs=2.0, tp=8.0), seed=5, components=100).realise(100.0, 9.81)
     wind = fs.Kaimal(intensity=0.1, seed=5, components=400).realise(10.0, 0.0)
     assert not set(np.round(waves.phase % (2.0 * np.pi), 9)) & set(np.round(wind.packed[:, 2], 9))
+
+
+def test_an_intensity_in_per_cent_is_refused():
+    with pytest.raises(fs.ModelError, match="0.14 for 14 %"):
+        fs.Kaimal(intensity=14.0, seed=1)
