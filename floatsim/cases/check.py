@@ -11,6 +11,8 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+import numpy as np
+
 from floatsim.cases.case import Case
 from floatsim.cases.environment import build_with, wind_of
 from floatsim.cases.matrix import Matrix, seedless
@@ -19,8 +21,9 @@ from floatsim.model import Model
 from floatsim.parts.body import Body
 from floatsim.solve.step import TOLERANCE
 from floatsim.study.channels import Sampler
-from floatsim.study.script import Script
+from floatsim.study.script import Script, data_files
 from floatsim.study.simulate import check_case, check_waves
+from floatsim.study.statistics import StatisticsSettings
 from floatsim.system.system import System, assemble
 
 STATISTICS = ("mean", "std", "min", "max", "period", "block_max", "block_min", "del", "utilisation")
@@ -82,6 +85,8 @@ def _of_case(
     if case.model not in scripts:
         scripts[case.model] = Script(case.model)
     model = build_with(scripts[case.model], case)
+    StatisticsSettings(run.ramp, run.fatigue, run.block)
+    yield from _files(matrix, model, case)
     yield from _sea(model, case, seas)
     if run.study == "decay":
         bodies = [part.name for part in model.parts if isinstance(part, Body)]
@@ -92,6 +97,16 @@ def _of_case(
     if structure not in structures:
         structures[structure] = system = assemble(model)
         yield from _outputs(matrix, system, case)
+
+
+def _files(matrix: Matrix, model: Model, case: Case) -> Iterator[str]:
+    """Files that the identity of the case does not cover."""
+    for file in data_files(model):
+        if matrix.files and file.resolve() not in matrix.files[case.source]:
+            yield (
+                f"model '{model.name}' reads '{file}' for these numbers and another file for others, which cases are "
+                "not told apart by; let a text, or {file: ...}, among the parameters choose it"
+            )
 
 
 def _name(item: Any) -> str:
@@ -107,7 +122,7 @@ def _sea(model: Model, case: Case, seas: set[str]) -> Iterator[str]:
     if run.study == "run" and run.ramp < sea.wave_ramp:
         yield (
             f"run: ramp is {run.ramp:g} s, but the waves of model '{model.name}' grow for {sea.wave_ramp:g} s "
-            "(wave_ramp); statistics would contain that"
+            "(wave_ramp); statistics would contain that: a longer ramp, or a model with a shorter one"
         )
     values = case.environment.get("waves", {})
     turned = {name: y for name, y in seedless(values).items() if name not in ("heading_deg", "kind")}
@@ -136,8 +151,8 @@ def _outputs(matrix: Matrix, system: System, case: Case) -> Iterator[str]:
     """Names of channels, and names of variables that would stand for two things in the summary."""
     try:
         sampler = Sampler(system, case.run.channels)
-        if case.run.fatigue:
-            Sampler(system, list(case.run.fatigue))
+        for name in case.run.fatigue:
+            sampler.column(np.zeros((0, sampler.width)), name)
     except CaseError as error:
         yield from (f"run: {line}" for line in error.problems)
         return

@@ -22,6 +22,7 @@ import numpy as np
 
 from floatsim.cases.case import Case
 from floatsim.cases.classic import STRING, Classic, dimensions, read_classic
+from floatsim.cases.folder import Folder
 from floatsim.errors import CaseError
 from floatsim.version import __version__
 
@@ -151,17 +152,13 @@ def _status(folder: Path, case: Case, summary: _Summary, k: int, broken: set[int
     if k in summary.numbers:
         return {"status": "done", **summary.numbers[k]}
     if k in broken or k in summary.damaged:
-        return {"status": "failed", "failure": "unreadable", "failure_message": f"{case.id}.stats.nc cannot be read"}
-    path = folder / "failed" / f"{case.id}.json"
-    try:
-        record = json.loads(path.read_bytes())
-    except FileNotFoundError:
+        said = f"{case.id}.stats.nc cannot be read; without it the case runs again"
+        return {"status": "failed", "failure": "unreadable", "failure_message": said}
+    record = Folder(folder).record(case.id)
+    if record is None or record.status == "done":  # it came while we read
         return {"status": "missing"}
-    except (OSError, ValueError):
-        record = {"kind": "raised", "message": f"{path.name} cannot be read"}
-    return {"status": "failed", "failure": str(record.get("kind", "")),
-            "failure_message": str(record.get("message", "")),
-            **{name: record[name] for name in ("time_reached", "wall_time") if name in record}}  # fmt: skip
+    return {"status": "failed", "failure": record.kind, "failure_message": record.message,
+            "time_reached": record.time_reached, "wall_time": record.wall_time}  # fmt: skip
 
 
 # -- the file -------------------------------------------------------------------------------------

@@ -22,8 +22,8 @@ import os
 import shutil
 import socket
 import time as clock
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -97,7 +97,7 @@ class Folder:
             for item in (self.path, self.cases, self.failures, self.statics, self.running):
                 item.mkdir(parents=True, exist_ok=True)
                 write_whole(item / "probe", b"0" * 4096)
-                (item / "probe").unlink()
+                (item / "probe").unlink(missing_ok=True)  # two may look at once: the lock decides later
         except OSError as error:
             raise CaseError(
                 f"results folder '{self.path}' cannot be written: {error.strerror}; choose another with --output"
@@ -175,6 +175,18 @@ class Folder:
             return data["name"], data["path"], tuple(Case.from_dict(item) for item in data["cases"])
         except (OSError, ValueError, KeyError, TypeError):
             raise CaseError(f"'{self.path}' is no results folder of a matrix: run its cases first") from None
+
+    def named(self, cases: Iterable[Case]) -> dict[str, Case]:
+        """Identity -> case, by the name under which its files are here. A slug says what varies in a matrix: it changes
+        when a matrix grows by a variable, or stands in a folder with another one, and the case is the same."""
+        own = {case.id: case for case in cases}
+        here = {name.rpartition("-")[2]: name for name in (*self.failed(), *self.done()) if name not in own}
+
+        def kept(name: str, case: Case) -> Case:
+            there = here.get(name.rpartition("-")[2])
+            return case if there is None or self.record(name) else replace(case, slug=there.rpartition("-")[0])
+
+        return {name: kept(name, case) for name, case in own.items()}
 
     # -- cases --------------------------------------------------------------------------------
 
@@ -278,11 +290,12 @@ class Folder:
         attempts = self.attempts(case_id)
         last = attempts[-1] if attempts else None
         if any(attempt.barked() for attempt in attempts):
-            kind, message = "timed out", "it took longer than its time limit; the log says where it was"
+            at = f", at t = {last.reached():.6g} s of the simulation" if last else ""
+            kind, message = "timed out", f"it took longer than its time limit{at}; the log says where it was"
         wall = clock.time() - last.started if last else 0.0
         record = Record(case_id, "failed", kind, message, last.reached() if last else 0.0, wall,
                         socket.gethostname(), clock.time())  # fmt: skip
-        with contextlib.suppress(OSError), self.log(case_id).open("a") as log:
+        with contextlib.suppress(OSError), self.log(case_id).open("a", encoding="utf-8") as log:
             if last is not None and last.watchdog.exists():
                 log.write(last.watchdog.read_text(errors="replace"))
             log.write(f"{clock.strftime('%Y-%m-%d %H:%M:%S')} {kind}: {message}\n")

@@ -20,7 +20,7 @@ import time as clock
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from floatsim.cases.case import Case
 from floatsim.cases.folder import Folder, Kind, Record
@@ -28,7 +28,9 @@ from floatsim.errors import CaseError
 
 THREADS = ("OMP", "MKL", "OPENBLAS", "NUMBA", "NUMEXPR", "VECLIB")
 GRACE, PATIENCE = 15.0, 300.0  # s: what a worker may be late with ending itself, and with its first word
+LAST_WORDS = 1.0  # s for what a worker that has ended said before
 FIRST = 180.0  # s until other workers are given cases although the first has not made a step
+STILLBORN = 3  # workers in a row that may die before their first word
 
 
 class Workers:
@@ -38,6 +40,7 @@ class Workers:
         self.folder, self.jobs = folder, jobs
         self.answers: queue.Queue[tuple[_Worker, str]] = queue.Queue()
         self.workers: list[_Worker] = []
+        self._stillborn = 0
 
     def __enter__(self) -> Workers:
         return self
@@ -77,31 +80,41 @@ class Workers:
         alone = clock.monotonic() + FIRST  # until the first has made steps: it compiles what is missing for all
         while len(self.workers) < self.jobs:
             self.workers.append(_Worker(self.folder, self.answers))
+        again: list[Case] = []  # that were given to workers which never came up
         more = True
         while True:
             jobs = 1 if alone > clock.monotonic() else self.jobs
             while more and sum(worker.case is not None for worker in self.workers) < jobs:
-                case = next(cases, None)
+                case = again.pop() if again else next(cases, None)
                 if case is None:
                     more = False
                 else:
                     self._idle().ask("run", case)
             if not any(w.case for w in self.workers):
                 return
+            for worker in self.workers:
+                worker.check()
             try:
                 worker, line = self.answers.get(timeout=0.5)
             except queue.Empty:
-                for worker in self.workers:
-                    worker.check()
                 continue
             if not line:
+                if worker not in self.workers:  # its end was seen before
+                    continue
                 self.workers.remove(worker)
                 case, kind, said = worker.case, *worker.buried()
-                if case is not None:
+                if not worker.ready:
+                    self._stillborn += 1
+                    if self._stillborn >= STILLBORN:
+                        raise CaseError(f"worker processes do not start: {said}; what they say is above")
+                    again += [case] if case is not None else []
+                    more = more or bool(again)
+                elif case is not None:
                     yield self.folder.died(case.id, kind, said)
                 continue
             answer = json.loads(line)
             worker.hear(answer)
+            self._stillborn = 0
             if "began" in answer or "record" in answer:
                 alone = 0.0
             if "record" in answer:
@@ -122,20 +135,22 @@ class _Worker:
         environment = os.environ | {f"{name}_NUM_THREADS": "1" for name in THREADS}
         environment["PYTHONPATH"] = os.pathsep.join(filter(None, [str(Path(__file__).parents[2]),
                                                                  os.environ.get("PYTHONPATH")]))  # fmt: skip
-        command = [sys.executable, "-m", "floatsim.cases.local", str(folder.path), str(os.getpid())]
+        command = [sys.executable, "-m", "floatsim.cases.local", str(folder.path.resolve()), str(os.getpid())]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
                                         env=environment, start_new_session=True)  # fmt: skip
         self.case: Case | None = None
-        self.ready, self.late = False, False
+        self.ready, self.late, self._gone = False, False, 0.0
+        self._answers = answers
         self.deadline = clock.monotonic() + PATIENCE
         self._killings = _killings()
-        threading.Thread(target=self._listen, args=(answers,), daemon=True).start()
+        threading.Thread(target=self._listen, daemon=True).start()
 
-    def _listen(self, answers: queue.Queue[tuple[_Worker, str]]) -> None:
+    def _listen(self) -> None:
         assert self.process.stdout is not None
         for line in self.process.stdout:
-            answers.put((self, line))
-        answers.put((self, ""))
+            if line.startswith("{") and line.endswith("}\n"):  # else it was killed in the middle of a word
+                self._answers.put((self, line))
+        self._answers.put((self, ""))
 
     def ask(self, what: str, case: Case) -> None:
         """Give it a case."""
@@ -164,16 +179,23 @@ class _Worker:
             self.case, self.deadline = None, float("inf")
 
     def check(self) -> None:
-        """Kill it if it is too late: stopped, or stuck in the kernel."""
-        if clock.monotonic() > self.deadline:
+        """Kill it if it is too late: stopped, or stuck in the kernel. Do not wait for the end of its pipe if it is
+        gone and what a script has forked holds that."""
+        now = clock.monotonic()
+        if now > self.deadline:
             self.late = True
-            self.process.kill()
+            self._kill_all()
+        if self.process.poll() is not None:
+            self._gone = self._gone or now
+            if now > self._gone + LAST_WORDS:
+                self._answers.put((self, ""))
 
     def buried(self) -> tuple[Kind, str]:
-        """What it died of. Raises CaseError if it never came up."""
+        """What it died of."""
+        with contextlib.suppress(subprocess.TimeoutExpired):  # its pipe closes before it has ended
+            self.process.wait(LAST_WORDS)
+        self._kill_all()
         status = self.process.wait()
-        if not self.ready:
-            raise CaseError(f"worker processes do not start ({_left(status)}); what they say is above")
         if self.late:
             return "timed out", "it took longer than its time limit and did not end itself"
         if status == -signal.SIGKILL and _killings() > self._killings:
@@ -182,11 +204,20 @@ class _Worker:
 
     def kill(self) -> None:
         """End it now."""
-        self.process.kill()
+        self._kill_all()
         self.process.wait()
         assert self.process.stdin is not None
         with contextlib.suppress(OSError):
             self.process.stdin.close()
+
+    def _kill_all(self) -> None:
+        """It, and on POSIX what its scripts have started: it leads a process group. One that has ended keeps its
+        status."""
+        if os.name == "posix":
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(self.process.pid, signal.SIGKILL)
+        else:
+            self.process.kill()
 
 
 def _left(status: int) -> str:
@@ -215,8 +246,8 @@ def _die_with(parent: int) -> None:
         os._exit(1)
 
 
-def _read(orders: queue.Queue[dict[str, Any]]) -> None:
-    for line in sys.stdin:
+def _read(stream: TextIO, orders: queue.Queue[dict[str, Any]]) -> None:
+    for line in stream:
         orders.put(json.loads(line))
     os._exit(0)  # the runner is gone, or needs no more
 
@@ -224,10 +255,13 @@ def _read(orders: queue.Queue[dict[str, Any]]) -> None:
 def work(folder: str, parent: int) -> None:
     """Answer cases from standard input until it closes."""
     _die_with(parent)
-    answers = os.fdopen(os.dup(1), "w", buffering=1)
+    given, answers = os.fdopen(os.dup(0)), os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)  # what others print on standard output is no answer
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)  # and our orders are none of their input
+    os.close(nothing)
     orders: queue.Queue[dict[str, Any]] = queue.Queue()
-    threading.Thread(target=_read, args=(orders,), daemon=True).start()
+    threading.Thread(target=_read, args=(given, orders), daemon=True).start()
     from floatsim.cases.run_case import run_case, size_of
 
     def answer(**what: Any) -> None:

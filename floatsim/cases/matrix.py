@@ -11,7 +11,7 @@ from __future__ import annotations
 import keyword
 import os
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -89,7 +89,7 @@ class Matrix:
 
     name; path of the YAML file; variables: names of the columns, in order; independent: those of them that are not
     expressions of others; units: name -> unit, where it is known; cases: in order, each with its number in the whole
-    matrix; size: of the whole matrix, before `only` and `sample`.
+    matrix; size: of the whole matrix, before `only` and `sample`; files: a case's source -> files it is the hash of.
     """
 
     name: str
@@ -99,6 +99,7 @@ class Matrix:
     units: Mapping[str, str]
     cases: tuple[Case, ...] = field(repr=False)
     size: int
+    files: Mapping[str, frozenset[Path]] = field(default_factory=dict, repr=False)
 
     @property
     def results(self) -> Path:
@@ -211,7 +212,7 @@ def levels(spec: Any) -> list[Value] | Expression:
         if wrong:
             raise CaseError(f"got {wrong[0]!r} in the list; values are finite numbers or text")
         values = [plain(y) for y in spec]
-        twice = [y for k, y in enumerate(values) if y in values[:k]]
+        twice = [y for y, n in Counter(values).items() if n > 1]
         if twice or not values:
             raise CaseError(f"{twice[0]!r} is in the list twice" if twice else "the list is empty")
         return values
@@ -300,6 +301,7 @@ class _Reader:
     def __init__(self, document: Document) -> None:
         self._document, self._problems = document, list[str]()
         self._sources: dict[Any, str] = {}
+        self._files: dict[str, frozenset[Path]] = {}
         self._base = document.path.parent
 
     def problem(self, key: Key, said: Any) -> None:
@@ -355,7 +357,7 @@ class _Reader:
         guessed = {v: unit_of(v) for v in variables if unit_of(v)}
         independent = tuple(v for v in variables if any(v in block.independent for block in made))
         return Matrix(name, self._document.path.absolute(), variables, independent, {**guessed, **units},
-                      tuple(cases), len(cases))  # fmt: skip
+                      tuple(cases), len(cases), self._files)  # fmt: skip
 
     def _keys(self, data: dict[str, Any], key: Key, known: Sequence[str]) -> None:
         for name in data:
@@ -409,7 +411,8 @@ class _Reader:
     def source(self, model: str, parameters: dict[str, Any], key: Key) -> str:
         """Hash of a script, of what it imports from its folder and of the data its model reads.
 
-        The model is built once for the first of all parameters that differ in numbers only: numbers choose no files.
+        The model is built once for the first of all parameters that differ in numbers only: numbers choose no files,
+        as the check of the matrix makes sure.
         """
         from floatsim.cases.environment import parameters_of
 
@@ -424,7 +427,9 @@ class _Reader:
                 given = {name: None for name in SECTIONS if name in script.needs}
                 files = data_files(script({**given, **real}))
                 named = [Path(y) for y in _files(parameters, Path(model).parent)]
-                self._sources[sort] = content_hash([*script_files(model), *files, *named])
+                own = [*script_files(model), *files, *named]
+                self._sources[sort] = content_hash(own)
+                self._files[self._sources[sort]] = frozenset(file.resolve() for file in own)
             except (FloatsimError, OSError) as error:
                 self.problem(key, error if isinstance(error, CaseError | ModelError) else f"{error}")
         return self._sources[sort]

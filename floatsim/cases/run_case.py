@@ -32,6 +32,7 @@ from floatsim.cases.folder import RESERVE, Attempt, Folder, Kind, Record, write_
 from floatsim.errors import SolveFailed
 from floatsim.jit import cache_is_cold
 from floatsim.model import Model
+from floatsim.study.checkpoint import identity
 from floatsim.system.state import State
 from floatsim.system.system import System, assemble
 from floatsim.version import __version__
@@ -62,7 +63,8 @@ def run_case(case: Case, folder: str | Path, began: Callable[[], None] = lambda:
     attempt, failed = None, None
     try:
         attempt = place.attempt(case.id)
-        with place.log(case.id).open("a", buffering=1) as log, _watched(case, attempt), _said_to(log):
+        log_file = place.log(case.id).open("a", buffering=1, encoding="utf-8", errors="backslashreplace")
+        with log_file as log, _watched(case, attempt), _said_to(log), contextlib.chdir("."):  # and back
             _note(log, f"started: attempt {len(earlier) + 1}, {socket.gethostname()} {os.getpid()}, {__version__}")
             try:
                 _run(case, place, attempt, _Progress(attempt, log, began))
@@ -87,6 +89,7 @@ def run_case(case: Case, folder: str | Path, began: Callable[[], None] = lambda:
 
 def _record(case: Case, attempt: Attempt | None, start: float, failed: tuple[Kind, str] | None) -> Record:
     kind, message = failed or ("", "")
+    message = message.encode(errors="backslashreplace").decode()  # names of files may be no text
     reached = attempt.reached() if attempt else 0.0
     return Record(case.id, "failed" if failed else "done", kind, message, reached, clock.perf_counter() - start,
                   socket.gethostname(), clock.time())  # fmt: skip
@@ -150,7 +153,7 @@ def _reason(error: BaseException, place: Folder) -> tuple[Kind, str]:
         return "diverged", said
     if isinstance(error, SolveFailed):
         return "no equilibrium", said
-    if isinstance(error, MemoryError):
+    if isinstance(error, MemoryError) or isinstance(error.__context__, MemoryError):  # this was in a script
         return "out of memory", said or "no memory was left"
     try:  # whatever it was that failed: can the folder still be written?
         if place.room() < RESERVE:
@@ -208,12 +211,16 @@ def _plain(value: Any) -> str | int | float:
 def static_key(case: Case, system: System) -> str:
     """Name of the static condition of a case: the same for all cases with the same equilibrium, whatever their waves.
 
-    Script, parameters, current, wind but for its seed, and the system's residual without waves at the drawing position
-    and near it: mean drift, mean wind and what else waves may change in a script are in that.
+    Script, parameters, current, wind but for its seed, what the model is made of but for waves, turbulence and name,
+    and the system's residual without waves at the drawing position and near it: mean drift and mean wind are in that.
     """
     environment = {name: {k: v for k, v in values.items() if k != "seed"} for name, values in case.environment.items()
                    if name != "waves"}  # fmt: skip
-    own = [case.source, dict(case.parameters), environment, __version__, system.n_point, system.n_rotation]
+    model = system.model
+    sea = model.sea.model_copy(update={"waves": None})
+    wind = model.wind and model.wind.model_copy(update={"turbulence": None})
+    made_of = identity(model.model_copy(update={"sea": sea, "wind": wind, "name": "model"}))
+    own = [case.source, dict(case.parameters), environment, __version__, made_of]
     digest = hashlib.sha256(json.dumps(own, sort_keys=True, default=list).encode())
     w, state = system.work(), system.initial_state()
     draw = np.random.default_rng(0)
@@ -240,7 +247,7 @@ def equilibrium(case: Case, place: Folder, system: System) -> State:
     path = place.statics / f"{static_key(case, system)}.pkl"
     try:
         kept = pickle.loads(path.read_bytes())
-    except (OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError):
+    except Exception:  # it is not there, or damaged, which shows in many ways
         solved, _ = solve_static(assemble(system.model))  # one of its own: this one comes to a run as after a hit
         data = pickle.dumps(solved)
         write_whole(path, data)  # by two at once: either file is as good

@@ -97,7 +97,7 @@ def grouped(failed: Sequence[Record]) -> dict[tuple[str, str], list[Record]]:
 def standing(cases: Sequence[Case], folder: str | Path) -> Summary:
     """How the cases stand in a folder, whoever is at work there."""
     place = Folder(folder)
-    ids = {case.id for case in cases}
+    ids = {case.id for case in place.named(cases).values()}
     done = place.done() & ids
     failed = tuple(record for name, record in place.failed().items() if name in ids)
     return Summary(len(ids), len(done), failed, len(ids) - len(done))
@@ -135,11 +135,12 @@ def run(
         raise CaseError("--jobs, --scheduler and --cluster exclude each other; give one")
     if time_limit is not None and not time_limit > 0.0:
         raise CaseError(f"--time-limit: got {time_limit!r}; must be a positive number of seconds")
-    own = {case.id: case for case in cases}
-    wanted = {case.id: case for case in (cases if chosen is None else chosen)}
     place = Folder(folder)
     place.prepare()
     with _signals(), place.locked():
+        named = place.named(cases)
+        own = {case.id: case for case in named.values()}
+        wanted = own if chosen is None else {named[case.id].id: named[case.id] for case in chosen}
         place.write_matrix(list(own.values()), name, path, units or {})
         place.clear_running()
         done, failed = place.done(), place.failed()
@@ -155,9 +156,13 @@ def run(
             try:
                 with display, _pool(place, min(jobs or _cores(), len(queue)), scheduler, cluster) as pool:
                     ran, stopped = _work(place, pool, queue, display)
+            except OSError as error:
+                raise CaseError(f"results folder '{place.path}' can no longer be used: {error.strerror or error}; see "
+                                "to it, then run again, and it goes on with what is there") from None  # fmt: skip
             finally:
                 if scheduler is None:  # there somebody may still be at it
-                    place.clear_running()
+                    with contextlib.suppress(OSError):
+                        place.clear_running()
         after = standing(list(own.values()), place.path)
         missed = len(wanted.keys() - place.done())
     return replace(after, missed=missed, ran=ran, wall_time=clock.perf_counter() - start, stopped=stopped)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import fnmatch
+import glob
 import hashlib
 import importlib.util
 import inspect
 import json
 import sys
+import sysconfig
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
@@ -227,8 +230,9 @@ def _listed(parameters: dict[str, Any]) -> str:
 
 
 def script_files(path: str | Path) -> list[Path]:
-    """The script and what it needs of its folder: files that it imports, directly or through others, and files whose
-    names stand in them as text, such as a table that is read."""
+    """The script and what it needs: files that it imports, directly or through others, from its folder or from other
+    places that hold no installed packages, and files whose names stand in them as text, such as a table that is read.
+    """
     script = Path(path).resolve()
     found: set[Path] = set()
     waiting = {script}
@@ -236,13 +240,13 @@ def script_files(path: str | Path) -> list[Path]:
         file = waiting.pop()
         found.add(file)
         if file.suffix == ".py":
-            waiting |= _needed_by(file, script.parent) - found
+            waiting |= set().union(*(_needed_by(file, folder) for folder in {script.parent, file.parent})) - found
     return [script, *sorted(found - {script})]
 
 
 def _needed_by(file: Path, folder: Path) -> set[Path]:
-    """Files in `folder` that a Python file imports, in functions too (of a package all), or names."""
-    imported, named = set(), set()
+    """Files that a Python file imports from `folder`, in functions too (of a package all), or names as seen from it."""
+    imported, named, patterns = set(), set(), list[str]()
     for node in ast.walk(ast.parse(file.read_bytes())):
         if isinstance(node, ast.Import):
             imported |= {item.name.partition(".")[0] for item in node.names}
@@ -250,10 +254,34 @@ def _needed_by(file: Path, folder: Path) -> set[Path]:
             imported.add(node.module.partition(".")[0])
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             named.add(node.value)
-    there = {item.name: item for item in folder.iterdir() if item.is_file()}
+        elif isinstance(node, ast.JoinedStr):  # f"table_{depth:g}.csv": all that it may become
+            parts = [glob.escape(str(y.value)) if isinstance(y, ast.Constant) else "*" for y in node.values]
+            if parts[0] != "*" and Path(f"x{parts[-1]}").suffix:
+                patterns.append("".join(parts))
+    own = list(folder.iterdir())
+    there = {item.name: item for item in own if item.is_file()}
     names = named | {f"{name}.py" for name in imported}
     out = {there[name] for name in names if name in there}
+    out |= {item for name, item in there.items() if any(fnmatch.fnmatch(name, pattern) for pattern in patterns)}
+    paths = {name for name in named if "/" in name and "\0" not in name and len(name) < 256}
+    paths |= {f"{item.name}/{name}" for item in own if item.name in named and item.is_dir()  # folder / "data" / "x.csv"
+              for name in named if "/" not in name and Path(name).suffix}  # fmt: skip
+    out |= {(folder / name).resolve() for name in paths if (folder / name).is_file()}
+    out |= {found for name in imported if name not in sys.stdlib_module_names and (found := _elsewhere(name))}
     return out.union(*((folder / name).rglob("*.py") for name in imported))
+
+
+def _elsewhere(name: str) -> Path | None:
+    """The file of a module that is not part of an installed package, wherever the script found it."""
+    try:
+        spec = importlib.util.find_spec(name)
+    except (ImportError, ValueError, AttributeError):
+        return None
+    if spec is None or not str(spec.origin).endswith(".py"):
+        return None
+    file = Path(str(spec.origin)).resolve()
+    installed = [Path(p).resolve() for p in sysconfig.get_paths().values()] + [Path(__file__).resolve().parents[1]]
+    return None if any(file.is_relative_to(place) for place in installed) else file
 
 
 def data_files(model: Model) -> list[Path]:
@@ -267,7 +295,8 @@ def content_hash(files: Sequence[Path], *more: Any) -> str:
     digest = hashlib.sha256()
     for file in files:
         for one in sorted(f for f in file.rglob("*") if f.is_file()) if file.is_dir() else [file]:
-            digest.update(one.read_bytes())
+            content = one.read_bytes()
+            digest.update(b"%d:" % len(content) + content)  # where one ends and the next begins
     for item in more:
         digest.update(json.dumps(item, sort_keys=True, default=str).encode())
     return digest.hexdigest()

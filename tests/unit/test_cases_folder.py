@@ -126,6 +126,22 @@ def test_matrix_comes_back(folder):
         folder.matrix()
 
 
+def test_a_case_keeps_its_files_when_its_slug_changes(folder):
+    """A matrix that grows by a variable gives its cases longer slugs: those that are done are not run again."""
+    old, new, other = case(0, slug="m10"), case(0, slug="m10_n3"), case(1, slug="m10_n4", source="1")
+    for ended in (old, other):
+        attempt = folder.attempt(ended.id)
+        attempt.statistics.write_bytes(b"numbers")
+        folder.finish(ended.id, attempt)
+    third = case(2, source="2")
+    named = folder.named([new, other, third])
+    assert {name: item.id for name, item in named.items()} == {new.id: old.id, other.id: other.id, third.id: third.id}
+    summary = run([new, other], folder.path, jobs=1, say=lambda line: None)
+    assert (summary.ran, summary.done, summary.exit_status) == (0, 2, 0)
+    assert [item.id for item in folder.matrix()[2]] == [old.id, other.id]  # as collect will look for them
+    assert standing([new, other], folder.path).done == 2
+
+
 def test_a_case_never_raises(folder):
     record = run_case(case(), folder.path)
     assert (record.status, record.kind) == ("failed", "raised")

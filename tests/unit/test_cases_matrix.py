@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 import time
 from collections import Counter
 from itertools import combinations
@@ -510,3 +511,78 @@ def test_templates(read, tmp_path, name):
 def test_no_such_template():
     with pytest.raises(CaseError, match="no template 'dlc_1_7' .did you mean"):
         template("dlc_1_7")
+
+
+def test_a_case_is_the_files_its_script_names(read, tmp_path):
+    """In folders beside it, by names that numbers complete, and what stands in which of two files."""
+    text = HEAD + "variables: {mass: [1, 2]}\nparameters: {mass: mass}\n"
+    (tmp_path / "data").mkdir()
+    names = ("data/a.csv", "data/b.csv", "table_10.csv", "table_20.csv")
+    named = "Path(__file__).parent / 'data' / 'a.csv', 'data/b.csv', lambda x: f'table_{x:g}.csv'"
+    (tmp_path / "model.py").write_text("from pathlib import Path\n" + PENDULUM + "NAMES = " + named + "\n")
+    for name in names:
+        (tmp_path / name).write_text("1\n2\n")
+    ids = {read(text).cases[0].id}
+    for name in names:
+        (tmp_path / name).write_text("1\n")
+        ids.add(read(text).cases[0].id)
+    for name, row in (("data/a.csv", "0\n"), ("data/b.csv", "")):
+        (tmp_path / name).write_text("1\n" + row)
+        ids.add(read(text).cases[0].id)
+    (tmp_path / "data/a.csv").write_text("1\n")  # the row goes from the end of one to the beginning of the next
+    (tmp_path / "data/b.csv").write_text("0\n1\n")
+    ids.add(read(text).cases[0].id)
+    assert len(ids) == 7
+    (tmp_path / "table.csv").write_text("no part of it")
+    assert read(text).cases[0].id in ids
+
+
+def test_numbers_that_choose_a_database_are_refused(read, tmp_path):
+    """The source is looked for once for all numbers: results for the second file would outlive a change of it."""
+    folder = Path(__file__).parents[2] / "models"
+    script = f"""
+from pathlib import Path
+import floatsim as fs
+def build(depth):
+    name = "sphere_kramer_hydro.nc" if depth < 50 else "sphere_oes_hydro.nc"
+    hydro = fs.PotentialFlow(database=Path({str(folder)!r}) / name)
+    body = fs.Body(name="sphere", mass=7.056, inertia=(0.1, 0.1, 0.1), hydro=hydro)
+    return fs.Model(name="sphere", parts=[body], sea=fs.Sea(depth=depth))
+"""
+    (tmp_path / "model.py").write_text(script)
+    text = HEAD + "variables: {depth: [30, 300]}\nparameters: {depth: depth}\n"
+    assert len(set(read(text).files.values())) == 1
+    refused(read, text, "reads", "sphere_oes_hydro.nc' for these numbers and another file for others", check=True)
+
+
+def test_exponents_are_checked_before_a_run(read):
+    text = HEAD.replace("ramp: 0", "ramp: 0, channels: [rod_position], fatigue: {rod_position: 30}")
+    refused(read, text + "variables: {mass: 1}", "fatigue: 'rod_position': got 30", "from 1 to 20", check=True)
+
+
+def test_modules_of_other_folders_are_part_of_a_case(tmp_path, monkeypatch):
+    """A script of one's own that takes a model from elsewhere: when that changes, so does the case."""
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    (tmp_path / "models").mkdir()
+    (tmp_path / "study").mkdir()
+    shared = tmp_path / "models" / "shared_pendulum_model.py"
+    shared.write_text("LENGTH = 1.0\n" + PENDULUM)
+    (tmp_path / "study" / "own.py").write_text(
+        f"import sys\nsys.path.insert(0, {str(shared.parent)!r})\nfrom shared_pendulum_model import build\n"
+    )
+    (tmp_path / "study" / "m.yaml").write_text(
+        "model: own.py\nvariables: {seed: {seeds: 1}}\nrun: {duration: 2, ramp: 0}\n"
+    )
+    before = read_matrix(tmp_path / "study" / "m.yaml", check=False).cases[0].id
+    shared.write_text("LENGTH = 2.0\n" + PENDULUM)
+    assert read_matrix(tmp_path / "study" / "m.yaml", check=False).cases[0].id != before
+
+
+def test_fatigue_of_a_channel_that_is_not_kept(tmp_path):
+    (tmp_path / "model.py").write_text(PENDULUM)
+    (tmp_path / "m.yaml").write_text(
+        "model: model.py\nvariables: {seed: {seeds: 1}}\n"
+        "run: {duration: 2, ramp: 0, channels: [newton_iterations], fatigue: {wave_elevation: 3}}\n"
+    )
+    with pytest.raises(CaseError, match="run: channels: there is no 'wave_elevation'"):
+        read_matrix(tmp_path / "m.yaml")

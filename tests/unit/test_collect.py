@@ -188,7 +188,11 @@ def test_a_damaged_file_is_a_failed_case(folder):
         path = folder / "cases" / f"{one.id}.stats.nc"
         path.write_bytes(path.read_bytes()[:cut])
     fail(folder, CASES[3], kind="timed out")
-    (folder / "failed" / f"{CASES[2].id}.json").write_text("{")
+    record = folder / "failed" / f"{CASES[2].id}.json"
+    record.write_text("[1]")
+    with xarray.open_dataset(collect(folder)) as data:
+        assert data.failure.values[2] == "raised" and record.name in data.failure_message.values[2]
+    record.write_text("{")
     with xarray.open_dataset(collect(folder)) as data:
         assert list(data.status.values) == ["failed"] * 4
         assert list(data.failure.values) == ["unreadable", "unreadable", "raised", "timed out"]

@@ -16,12 +16,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from made_up_rotor import rotor
 from second_order import RHO, database, synthetic
 
 import floatsim as fs
 from floatsim.cases.case import Case, RunSettings
 from floatsim.cases.folder import Folder
-from floatsim.cases.run_case import equilibrium, run_case, static_key
+from floatsim.cases.run_case import equilibrium, model_of, run_case, static_key
 from floatsim.cases.runner import run
 from floatsim.study import checkpoint
 from floatsim.study.script import load_model
@@ -35,14 +36,24 @@ import floatsim as fs
 def build(angle_deg=30.0, fault="", pause=0.0):
     if fault == "raise":
         raise ValueError("no such pendulum")
+    if fault == "memory":
+        raise MemoryError("no room for a pendulum")
+    if fault == "input":
+        input("how long is it? ")
+    if fault == "elsewhere":
+        os.chdir("/")
+    if fault == "no text":
+        raise ValueError("file " + chr(0xDCFF))
+    if fault == "orphan":
+        if os.fork() == 0:
+            time.sleep(1000)  # holds all pipes
+        os.kill(os.getpid(), signal.SIGKILL)
     def brake(t, s, v):
         if t > 2.0:
             if fault == "kill":
                 os.kill(os.getpid(), signal.SIGKILL)
             if fault == "hang":
                 ctypes.PyDLL(None).sleep(1000)  # holds the lock of the interpreter, as compiled code does
-            if fault == "memory":
-                raise_memory()
             if fault == "diverge":
                 return 1e3 * v**3
         if pause:
@@ -259,6 +270,62 @@ def test_what_will_not_fit_is_said_first(script, tmp_path, monkeypatch):
         run([case(script, 9)], tmp_path / "results", jobs=1, say=heard.append)
 
 
+@posix
+def test_scripts_that_take_liberties(script, tmp_path, monkeypatch):
+    """With memory, standard input, the working directory, names that are no text, and processes of their own."""
+    monkeypatch.chdir(tmp_path)
+    faults = ("memory", "input", "elsewhere", "no text", "orphan", "")
+    cases = [case(script, k, fault, duration=2.0) for k, fault in enumerate(faults)]
+    begin = time.monotonic()
+    summary = run(cases, "results", jobs=1, say=lambda line: None)
+    assert time.monotonic() - begin < 100.0  # the orphan is not waited for
+    kinds = {int(record.id[1:3]): record.kind for record in summary.failed}
+    assert kinds == {0: "out of memory", 1: "raised", 3: "raised", 4: "killed"}, summary.lines()
+    said = {int(record.id[1:3]): record.message for record in summary.failed}
+    assert "EOFError" in said[1] and "\\udcff" in said[3] and "SIGKILL" in said[4]
+    assert Folder("results").done() == {cases[2].id, cases[5].id}
+    mine = str(tmp_path / "results").encode()
+    sleepers = [path for path in Path("/proc").glob("[0-9]*/cmdline") if mine in read(path)]
+    assert not sleepers
+
+
+def read(path):
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
+
+
+@posix
+def test_worker_that_dies_before_its_first_word(script, tmp_path, monkeypatch):
+    """Killed while it starts: its case is given to another one. None that comes up is no matter of cases."""
+    python = tmp_path / "python"
+    count = tmp_path / "count"
+    python.write_text(f'#!/bin/sh\necho x >> {count}\n[ $(wc -l < {count}) -le 2 ] && kill -9 $$\n'
+                      f'exec {sys.executable} "$@"\n')  # fmt: skip
+    python.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(python))
+    summary = run([case(script, 0, duration=2.0)], tmp_path / "results", jobs=1, say=lambda line: None)
+    assert (summary.done, len(summary.failed)) == (1, 0)
+    python.write_text("#!/bin/sh\nexit 3\n")
+    with pytest.raises(fs.CaseError, match="worker processes do not start: its process left with exit status 3"):
+        run([case(script, 1)], tmp_path / "results", jobs=1, say=lambda line: None)
+
+
+def test_results_folder_that_disappears(script, tmp_path, monkeypatch):
+    def room(self):
+        if seen:
+            raise FileNotFoundError(2, "No such file or directory")
+        seen.append(self)
+        return 1e9
+
+    seen = []
+    cases = [case(script, k, duration=2.0, keep="statistics") for k in range(2)]
+    monkeypatch.setattr(Folder, "room", room)
+    with pytest.raises(fs.CaseError, match="can no longer be used: No such file or directory; see to it"):
+        run(cases, tmp_path / "results", jobs=1, say=lambda line: None)
+
+
 # -- statics --------------------------------------------------------------------------------------
 
 CHAIN = '''
@@ -335,6 +402,38 @@ def test_mean_drift_is_part_of_the_static_condition(tmp_path):
     assert run.rows.tobytes() == plain.rows.tobytes()
 
 
+def test_kept_statics_of_a_rotor_in_wind_and_waves_with_mean_drift(tmp_path, record):
+    """One equilibrium for all seeds of waves and of turbulence, another one for another wind or sea."""
+    folder = Folder(tmp_path)
+    folder.prepare()
+
+    def of(seed, speed=12.0, hs=2.0):
+        springs = np.diag([1e5, 1e5, 1e6, 3e9, 3e9, 5e8])
+        flow = fs.PotentialFlow(database=database(added_mass_inf=np.zeros((6, 6)), depth=3000.0), memory=10.0,
+                                linear_stiffness=springs, drift=synthetic(), slow_position=True)  # fmt: skip
+        body = fs.Body(name="hull", mass=RHO * 4500.0, center_of_mass=(0.0, 0.0, 0.0), inertia=(2e9, 2e9, 2e9),
+                       hydro=flow)  # fmt: skip
+        waves = fs.IrregularWaves(spectrum=fs.Jonswap(hs=hs, tp=10.0), seed=seed, omega_max=2.5)
+        gusts = fs.Kaimal(intensity=0.1, seed=seed, components=100, duration=600.0)
+        sea = fs.Sea(depth=3000.0, density=RHO, waves=waves, wave_ramp=0.0)
+        parts = [body, rotor("hull", tower_top=(0.0, 0.0, 90.0))]
+        model = fs.Model(parts=parts, wind=fs.Wind(speed=speed, turbulence=gusts), sea=sea)
+        wind = {"speed": speed, "turbulence_intensity": 0.1, "seed": seed}
+        item = Case(seed, "c", {}, "", {}, {"waves": {"hs": hs, "seed": seed}, "wind": wind}, RunSettings(60.0), "0")
+        return item, fs.assemble(model)
+
+    assert static_key(*of(1)) == static_key(*of(2))
+    assert len({static_key(*of(1)), static_key(*of(1, speed=13.0)), static_key(*of(1, hs=3.0))}) == 3
+    first, system = of(1)
+    equilibrium(first, folder, system)
+    other, system = of(2)
+    run = fs.simulate(system, 5.0, 0.1, state=equilibrium(other, folder, system))
+    plain = fs.simulate(of(2)[1], 5.0, 0.1)
+    assert len(list(folder.statics.iterdir())) == 1 and plain.series("hull_position")[0, 0] > 0.1
+    same = run.rows.tobytes() == plain.rows.tobytes()
+    record("load cases", "the same for a rotor in turbulent wind and waves with mean drift", same, "yes", holds=same)
+
+
 def test_decay_case(tmp_path):
     """The sphere of Kramer et al.: period of the drop and damping, in place of statistics of channels."""
     sphere = Path(__file__).parents[2] / "models" / "sphere.py"
@@ -348,6 +447,48 @@ def test_decay_case(tmp_path):
         assert float(data.decay_period) == plain.fit.period == pytest.approx(0.76, rel=0.03)
         assert data.attrs["case_id"] == item.id and data.attrs["status"] == "done"
     assert folder.series(item.id).exists()
+
+
+STOP = '''
+import floatsim as fs
+
+def build(waves=None):
+    """A weight above a soft or a stiff stop: the script chooses it by the waves."""
+    stiffness = 1e4 if waves.spectrum.hs > 3.0 else 1e3
+    rod = fs.Body(name="rod", mass=10.0, inertia=(3.4, 3.4, 0.01), center_of_mass=(0.0, 0.0, -1.0),
+                  position=(0.0, 0.0, 5.0))
+    push = fs.UserLaw(function=lambda t, s, v: 40.0 - max(s - 0.2, 0.0) * stiffness)
+    return fs.Model(name="rod", parts=[rod, fs.PTO(name="push", joint="hinge", laws=[push])], joints=[
+        fs.Hinge(name="hinge", a="rod", b=(0.0, 0.0, 5.0), axis=(0.0, 1.0, 0.0))],
+        sea=fs.Sea(depth=50.0, waves=waves))
+'''
+
+
+def test_what_a_script_makes_of_waves_is_part_of_the_static_condition(tmp_path):
+    """Far from the drawing position too, where no residual shows it."""
+    path = tmp_path / "stop.py"
+    path.write_text(STOP)
+
+    def of(hs, seed=1):
+        waves = {"spectrum": "jonswap", "hs": hs, "tp": 8.0, "seed": seed}
+        item = Case(0, "c", {}, str(path), {}, {"waves": waves}, RunSettings(duration=20.0, ramp=0.0), "0")
+        return static_key(item, fs.assemble(model_of(item)))
+
+    assert of(2.0) == of(2.0, seed=2) == of(2.5) != of(4.0)
+
+
+def test_damaged_static_solution_is_solved_anew(tmp_path):
+    path = tmp_path / "chain.py"
+    path.write_text(CHAIN)
+    item, folder = chain_case(path, 0), Folder(tmp_path / "results")
+    folder.prepare()
+    whole = equilibrium(item, folder, fs.assemble(model_of(item)))
+    (kept,) = folder.statics.glob("*.pkl")
+    data = kept.read_bytes()
+    for damaged in (b"", data[:100], b"\0" * len(data), data.replace(b"numpy", b"nunpy"), b"I1\nI2\nd."):
+        kept.write_bytes(damaged)
+        again = equilibrium(item, folder, fs.assemble(model_of(item)))
+        assert again.x.tobytes() == whole.x.tobytes() and kept.read_bytes() == data
 
 
 # -- Dask -----------------------------------------------------------------------------------------
