@@ -22,6 +22,7 @@ from typing import Any, Protocol
 from floatsim.cases.case import Case
 from floatsim.cases.folder import RESERVE, Folder, Record
 from floatsim.errors import CaseError
+from floatsim.jit import cache_is_cold
 
 LINE_EVERY = 10.0  # s between plain lines of progress
 SHOWN = 3  # cases named for each group of failures
@@ -151,6 +152,8 @@ def run(
         start = clock.perf_counter()
         display = _Display(len(queue), say)
         display.say(_opening(queue, wanted, done, failed, again))
+        if queue and scheduler is None and cluster is None and cache_is_cold():
+            display.say("floatsim: the first case compiles the kernels, once for this version on this machine")
         ran, stopped = 0, ""
         if queue:
             try:
