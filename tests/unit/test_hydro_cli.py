@@ -44,7 +44,8 @@ def small() -> HydroDatabase:
     n, m = slice(0, 60, 2), slice(0, 72, 18)
     return replace(
         db, name="small", omega=db.omega[n], added_mass=db.added_mass[n], radiation_damping=db.radiation_damping[n],
-        headings=db.headings[m], excitation=db.excitation[n, m], hull_vertices=None, hull_faces=None,
+        headings=db.headings[m], excitation=db.excitation[n, m], mean_drift=db.mean_drift[n, m], hull_vertices=None,
+        hull_faces=None,
     )  # fmt: skip
 
 
@@ -53,7 +54,7 @@ def pair(db: HydroDatabase) -> HydroDatabase:
     return replace(
         db, name="pair", bodies=("left", "right"), added_mass=np.kron(twice, db.added_mass),
         radiation_damping=np.kron(twice, db.radiation_damping), added_mass_inf=np.kron(twice, db.added_mass_inf),
-        excitation=np.tile(db.excitation, (1, 1, 2)), hydrostatic_stiffness=np.kron(twice, db.hydrostatic_stiffness),
+        excitation=np.tile(db.excitation, (1, 1, 2)), mean_drift=None, hydrostatic_stiffness=np.kron(twice, db.hydrostatic_stiffness),
         volume=np.tile(db.volume, 2), centre_of_buoyancy=np.tile(db.centre_of_buoyancy, (2, 1)),
         reference_point=np.tile(db.reference_point, (2, 1)), added_mass_zero=None,
     )  # fmt: skip
