@@ -117,7 +117,7 @@ def _by(s: Summary, body: str, v: Variable, xy: Array, inside: Array | None) -> 
     note += f"; cases that differ in nothing else, up to {number(alone, 2)} m." if alone is not None else "."
     left_out = int(np.sum(good & ~fair))
     if left_out:
-        note += f" {left_out} cases whose counterparts failed are not in the means."
+        note += f" {left_out} cases without counterparts that are done are not in the means."
     if v.also:
         note += f" It determines {', '.join(v.also)}." if len(v.also) < 4 else f" It determines {len(v.also)} others."
     every = max(1, math.ceil(len(v.texts) / 13))
