@@ -54,7 +54,8 @@ def pair(db: HydroDatabase) -> HydroDatabase:
     return replace(
         db, name="pair", bodies=("left", "right"), added_mass=np.kron(twice, db.added_mass),
         radiation_damping=np.kron(twice, db.radiation_damping), added_mass_inf=np.kron(twice, db.added_mass_inf),
-        excitation=np.tile(db.excitation, (1, 1, 2)), mean_drift=None, hydrostatic_stiffness=np.kron(twice, db.hydrostatic_stiffness),
+        excitation=np.tile(db.excitation, (1, 1, 2)), mean_drift=None,
+        hydrostatic_stiffness=np.kron(twice, db.hydrostatic_stiffness),
         volume=np.tile(db.volume, 2), centre_of_buoyancy=np.tile(db.centre_of_buoyancy, (2, 1)),
         reference_point=np.tile(db.reference_point, (2, 1)), added_mass_zero=None,
     )  # fmt: skip
